@@ -18,6 +18,7 @@ from missionplan.mission.schema.vehicle import Anchor
 from missionplan.montecarlo.distributions import mean_of, sd_of
 from missionplan.montecarlo.statistics import Count, Probability
 from missionplan.results.decision import Assumption
+from missionplan.results.entries import mappings
 from missionplan.results.failures import SUCCESS, Counted, CountedKind
 from missionplan.results.simulation import Outcome, RequirementOutcome
 from missionplan.studies.simulation.block_statistics import happened
@@ -29,6 +30,7 @@ TRIALS = 400
 LEAST_WORTH = 0.01
 """Share of these trials below which no requirement is said to be missed for want of an assumption."""
 _ANYWHERE = {"low": "0 deg", "high": "360 deg"}
+_AXES = "east", "north"
 _SD = {"sd": "0.1 m/s"}
 """Of a current: drifters differ by about 0.1 m/s from maps of the current that are measured there and then."""
 
@@ -153,6 +155,13 @@ def _current(mission: Mission) -> Iterator[Doubt]:
     if exact:
         first = "find how the layers' speeds vary from day to day (sd of site.current's speeds)"
         yield Doubt("the layers flow just as fast as stated", "0.1 m/s faster or slower", exact, first)
+    fastest = max((abs(mean_of(layer.speed)) for layer in current), default=0.0)
+    if mission.transits and fastest and not any(each.effect == "tidal-current" for each in mission.effects):
+        strength, phase = {"low": f"{-fastest!r} m/s", "high": f"{fastest!r} m/s"}, f"{math.pi / 2.0!r} rad"
+        tide = {f"m2_{axis}": strength for axis in _AXES} | {f"m2_{axis}_phase": phase for axis in _AXES}
+        changes = {"effects": [*mappings(mission.raw.get("effects")), {"tidal-current": tide}]}
+        first = "find the tide in a record of the site's current (missionplan tide)"
+        yield Doubt("the current stays as at the start", "a tide up to as strong from then on", changes, first)
 
 
 def _has_current(mission: Mission) -> bool:

@@ -128,6 +128,19 @@ def test_the_phase_that_is_spoilt_is_the_one_that_loses_more_than_before():
     assert _spoilt(lost(out=0.4), lost(out=0.3)) == ""
 
 
+def test_a_tide_that_sets_in_is_worth_what_its_integral_says(one_leg):
+    """A sin ωt for 2000 s: A ωT²/2 = 281 s A, within 60 m for 0.21 m/s, of a square of 1 m/s π 0.21² = 0.14."""
+    layers = {"30 m": "0 m/s", "60 m": "0.5 m/s"}  # it runs in the upper one
+    flow = [
+        {"down_to": depth, "speed": {"mean": speed, "sd": "1 mm/s"}, "toward": "0 deg"}
+        for depth, speed in layers.items()
+    ]
+    far = {"site.depth": "60 m", "site.current": flow, "out.to": ["0 m", "2 km"], "out.d_max": "2 km"}
+    (tide,) = ledger(one_leg("0 m/s").with_(far), seed=3)
+    assert (tide.what, tide.missed) == ("the current stays as at the start", ("out.arrived",))
+    assert (tide.success - tide.worth, tide.success) == pytest.approx((1.0, 0.14), abs=0.06)
+
+
 def test_an_anchor_that_would_slide_on_clay_is_named():
     """0.83 m/s asks for a factor of 0.42 of this anchor: of 0.2 to 0.6, somewhat less than half hold."""
     layers = [{"down_to": "20 ft", "speed": "0 m/s"}, {"down_to": "40 ft", "speed": "0.83 m/s"}]
@@ -163,9 +176,13 @@ def test_each_assumption_is_put_off_by_its_usual_size():
     data["vehicle"]["anchor"]["holding_factor"] = 0.3
     data["phases"][1]["moor"] |= {"line_material": None}
     found = {doubt.what: dict(doubt.changes) for doubt in doubts_of(missionplan.Mission.from_data(data))}
+    fastest, quarter = 0.4 * 1852.0 / 3600.0, f"{math.pi / 2.0!r} rad"  # of both layers, 0.4 kn
+    strength = {"low": f"{-fastest!r} m/s", "high": f"{fastest!r} m/s"}
+    tide = {"m2_east": strength, "m2_north": strength, "m2_east_phase": quarter, "m2_north_phase": quarter}
     winds = {"speed": {"low": "0 m/s", "high": "12 m/s"}, "from": {"low": "0 deg", "high": "360 deg"}}
     assert found == {
         "the layers flow just as fast as stated": {"site.current[1].speed": {"mean": "0.2 m/s", "sd": "0.1 m/s"}},
+        "the current stays as at the start": {"effects": [{"tidal-current": tide}]},
         "there is no wind": {"site.wind": winds},
         "fixes are exact": {"navigation.fix_error": "5 m"},
         "the anchor holds just as its holding factor says": {
