@@ -9,7 +9,7 @@ from dataclasses import replace
 
 from missionplan.montecarlo.statistics import Probability
 from missionplan.report.page import Page, PageSection, Table
-from missionplan.report.quantities import span, unit_for
+from missionplan.report.quantities import in_reader_units, span, unit_for
 from missionplan.report.simulation.quantities import requirement_in_words
 from missionplan.report.wording import in_words, listed, percent, share
 from missionplan.results.decision import Assumption, ExplainedOutcome, MemberOutcome, differ, label
@@ -213,8 +213,8 @@ def _turning_in_words(assumed: Sequence[Assumption]) -> str:
     first, others = turning[0], len(turning) - 1
     fails = "fails more often than not: it " if first.success < 0.5 and not first.missed else ""
     words = (
-        f" But this assumes that {first.what}: with {first.otherwise} it {fails}succeeds {100.0 * first.success:.0f} % "
-        "of the time"
+        f" But this assumes that {first.what}: with {in_reader_units(first.otherwise)} it {fails}succeeds "
+        f"{100.0 * first.success:.0f} % of the time"
     )
     if first.missed:
         words += f", short of what is required of {listed([in_words(each) for each in first.missed])}"
@@ -230,7 +230,9 @@ def _section(assumed: Sequence[Assumption]) -> Iterator[PageSection]:
         then = "" if math.isnan(each.success) else f"{100.0 * each.success:.3g}\u00a0%"
         change = f"{100.0 * each.worth:+.2g}\u00a0%" if each.worth else "none"
         change = "could not be run" if math.isnan(each.worth) else change
-        rows.append((each.what, each.otherwise, then, change, "could turn the answer" if each.turns else ""))
+        rows.append(
+            (each.what, in_reader_units(each.otherwise), then, change, "could turn the answer" if each.turns else "")
+        )
     columns = ("taken for granted", "instead", "success then", "change", "")
     caption = "Each alone, on 400 trials of the same random numbers. What is not in the mission cannot be put off."
     yield PageSection(_heading(assumed), [Table(columns, rows, caption, text_columns=2)], is_summary=True)

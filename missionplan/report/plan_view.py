@@ -172,17 +172,17 @@ def _rounded(metres: float) -> str:
     return quantity(kilometres, "km", ".0f" if kilometres >= 10.0 else ".1f")
 
 
-def frame(tracks: Sequence[Array], always: Sequence[Array] = ()) -> Frame:
+def frame(tracks: Sequence[Array], always: Sequence[Array] = (), tallest: float = 1.25) -> Frame:
     """Choose the limits of a map, of a shape neither flat nor tall.
 
     `tracks`, shape (2, k): of trials; those that go astray do not count. `always`, shape (2, k): lines that lie inside
-    whatever happens, such as the circles about goals.
+    whatever happens, such as the circles about goals. `tallest`: most that its height may be of its width.
     """
     low, high, astray = _usual([track for track in tracks if track.shape[1]])
     for line in (line for line in always if line.shape[1]):
         low, high = np.minimum(low, line.min(axis=1)), np.maximum(high, line.max(axis=1))
     centre, size = (low + high) / 2.0, np.maximum(high - low, 1.0) * 1.08
-    size = np.maximum(size, np.array([0.8, 0.3]) * size[::-1])
+    size = np.maximum(size, np.array([1.0 / tallest, 0.3]) * size[::-1])
     size[1] = max(size[1], 0.3 * size[0])
     lower, upper = centre - size / 2.0, centre + size / 2.0
     beyond = [float(np.maximum(lower[:, None] - track, track - upper[:, None]).max()) for track in astray]

@@ -8,7 +8,14 @@ from pathlib import Path
 from missionplan.mission.quantity_paths import values_in_force
 from missionplan.mission.units import number_and_unit
 from missionplan.report.page import Block, PageSection, Table
-from missionplan.report.quantities import DIMENSIONS, as_written, in_unit_of, reader_system, reader_unit
+from missionplan.report.quantities import (
+    DIMENSIONS,
+    as_written,
+    in_reader_units,
+    in_unit_of,
+    reader_system,
+    reader_unit,
+)
 from missionplan.report.site_map import site_map
 from missionplan.report.wording import capitalised, in_words, set_number
 from missionplan.results import Provenance
@@ -147,8 +154,8 @@ def not_held(provenance: Provenance) -> list[PageSection]:
     """Show what an answer holds of the world, and what not."""
     if not provenance.holds or provenance.command in _OF_NO_MISSION:
         return []
-    rows = [(each.what, each.why) for each in provenance.holds if not each.held]
-    held = [f"{each.what} ({each.why})" for each in provenance.holds if each.held]
+    rows = [(each.what, in_reader_units(each.why)) for each in provenance.holds if not each.held]
+    held = [f"{each.what} ({in_reader_units(each.why)})" for each in provenance.holds if each.held]
     blocks: list[Block] = [Table(("", ""), rows, text_columns=2)] if rows else []
     blocks += [f"It holds {'; '.join(held)}."] if held else []
     return [PageSection("What this answer does not hold", blocks, is_summary=True)]

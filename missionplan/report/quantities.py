@@ -5,6 +5,7 @@ made: in the system of units that `reading_in` has set, or else as the mission f
 """
 
 import math
+import re
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
@@ -183,6 +184,24 @@ def as_written(number: str, unit: str, *, largest: float | None = None) -> str:
     """Write a quantity with the digits with which a file or a user has written it: ``1.40 m/s``, ``4.6 ft/s``."""
     shown = reader_unit(unit, float(number) if largest is None else largest)
     return f"{set_number(_as_fine(number, float(number), shown.size))}{shown.suffix}"
+
+
+_IN_WORDS = re.compile(r"(?:([\d.]+) to )?([\d.]+) (m/s|m)\b")
+
+
+def in_reader_units(words: str) -> str:
+    """Write the speeds and lengths within words in the reader's units: ``winds of 0 to 23 kn``."""
+
+    def written(found: re.Match[str]) -> str:
+        low, high, unit = found.groups()
+        shown = as_written(high, unit)
+        return (
+            shown
+            if low is None
+            else f"{as_written(low, unit, largest=float(high)).split(NO_BREAK_SPACE)[0]} to {shown}"
+        )
+
+    return _IN_WORDS.sub(written, words) if reader_system() else words
 
 
 def value_on(axis: Axis, index: int) -> str:

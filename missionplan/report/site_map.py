@@ -262,43 +262,44 @@ def _goals(data: Mapping[str, object]) -> Iterator[Goal]:
                 yield Goal("start", begin, 0.0)
             if end is not None:
                 here = end
-                yield Goal(name, end, _number(section.get("arrival_radius"), "m"))
+                yield Goal(name, end, _metres(section.get("arrival_radius")))
         elif kind == "moor" and here is not None:
-            yield Goal(name, here, _number(section.get("radius"), "m"))
+            yield Goal(name, here, _metres(section.get("radius")))
 
 
 def _origin(data: Mapping[str, object]) -> Geographic | None:
-    written = mapping(data.get("site")).get("origin")
-    if not isinstance(written, Mapping):
+    return _on_earth(mapping(data.get("site")).get("origin"))
+
+
+def _on_earth(written: object) -> Geographic | None:
+    """Read a latitude and longitude as the mission does, minutes too; None where there is none."""
+    try:
+        return Geographic.model_validate(written)
+    except ValueError:
         return None
-    latitude, longitude = (_number(written.get(key), "rad") for key in ("latitude", "longitude"))
-    if math.isnan(latitude + longitude):
-        return None
-    return Geographic.model_construct(latitude=latitude, longitude=longitude)
 
 
 def _place(value: object, origin: Geographic | None) -> Point | None:
     """Read a position as the mission does, distributions at their means; None where it has none."""
-    if isinstance(value, Mapping) and origin is not None:
-        latitude, longitude = (np.array([_number(value.get(key), "rad")]) for key in ("latitude", "longitude"))
-        east, north = to_plane(latitude, longitude, origin)
+    if origin is not None and (there := _on_earth(value)) is not None:
+        east, north = to_plane(np.array([there.latitude]), np.array([there.longitude]), origin)
         found = float(east[0]), float(north[0])
     elif isinstance(value, list | tuple) and len(value) == 2:
-        found = _number(value[0], "m"), _number(value[1], "m")
+        found = _metres(value[0]), _metres(value[1])
     else:
         return None
     return found if all(map(math.isfinite, found)) else None
 
 
-def _number(value: object, unit: str) -> float:
-    """Read a quantity, of a distribution about its middle; nan where that cannot be done."""
+def _metres(value: object) -> float:
+    """Read a length, of a distribution about its middle; nan where that cannot be done."""
     if isinstance(value, Mapping):
         if "choices" in value and isinstance(value["choices"], list | tuple):
-            return _number(value["choices"][0], unit)
+            return _metres(value["choices"][0])
         if {"low", "high"} == set(value):
-            return 0.5 * (_number(value["low"], unit) + _number(value["high"], unit))
+            return 0.5 * (_metres(value["low"]) + _metres(value["high"]))
         value = value.get("mean", value.get("median"))
     try:
-        return parse_number_with_unit(value, unit)
+        return parse_number_with_unit(value, "m")
     except QuantityError:
         return math.nan

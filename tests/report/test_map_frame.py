@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from missionplan.report.plan_view import frame
-from missionplan.report.site_map import _rows_of_names, room_for_names
+from missionplan.report.site_map import _goals, _rows_of_names, room_for_names
 from missionplan.studies.leg_length.sweep_page import has_teeth
 
 
@@ -27,6 +27,22 @@ def test_what_always_counts_lies_inside():
     far = np.array([[5000.0], [0.0]])
     assert frame(tracks(50), [far]).west_east[1] > 5000.0
     assert frame([], [far, np.zeros((2, 1))]).west_east[0] < 0.0
+
+
+def test_a_map_is_no_taller_than_is_asked():
+    tall = np.array([[0.0, 10.0], [0.0, 1000.0]])
+    assert frame([], [tall]).shape == pytest.approx(1.25)
+    assert frame([], [tall], tallest=0.75).shape == pytest.approx(0.75)
+
+
+def test_goals_in_degrees_and_minutes_are_on_the_map():
+    """A minute of latitude is 1857 m at 60° north."""
+    origin = {"latitude": "60 06.0 N", "longitude": "005 22.5 E"}
+    ways = [{"transit": {"from": ["0 m", "0 m"], "to": {**origin, "latitude": "60 07.0 N"}, "arrival_radius": "9 m"}}]
+    start, goal = _goals({"site": {"origin": origin}, "phases": ways})
+    assert (start.name, goal.name, goal.radius) == ("start", "transit", 9.0)
+    assert goal.place == pytest.approx((0.0, 1857.0), abs=1.0)
+    assert len(list(_goals({"phases": ways}))) == 1  # without an origin it has no place on the plane
 
 
 def test_names_that_would_run_into_one_another_stand_in_rows():

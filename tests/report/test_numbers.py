@@ -5,7 +5,16 @@ import math
 import pytest
 
 from missionplan.montecarlo.statistics import Probability, Statistic, wilson
-from missionplan.report.quantities import Unit, length_in_words, span, time_in_words, unit_for, with_error
+from missionplan.report.quantities import (
+    Unit,
+    in_reader_units,
+    length_in_words,
+    reading_in,
+    span,
+    time_in_words,
+    unit_for,
+    with_error,
+)
 from missionplan.report.wording import (
     in_words,
     number,
@@ -133,6 +142,20 @@ def test_a_unit_of_another_kind_is_not_taken():
 def test_keys_are_split_at_their_longest_unit():
     assert split_key("terminal_velocity_m_s") == ("terminal_velocity", "m/s")
     assert split_key("surfacings") == ("surfacings", "")
+
+
+@pytest.mark.parametrize(
+    ("system", "words"),
+    [
+        ("", "winds of 0 to 12 m/s, 0.1 m/s off, carry it 24 m, 2 mm"),
+        ("nautical", "winds of 0 to 23 kn, 0.2 kn off, carry it 24 m, 2 mm"),
+        ("imperial", "winds of 0 to 39 ft/s, 0.3 ft/s off, carry it 79 ft, 2 mm"),
+    ],
+)
+def test_quantities_within_words_are_in_the_readers_units(system, words):
+    with reading_in(system):
+        told = in_reader_units("winds of 0 to 12 m/s, 0.1 m/s off, carry it 24 m, 2 mm")
+    assert told.replace("\u00a0", " ") == words
 
 
 def test_times_are_in_minutes_from_a_minute_and_a_half():

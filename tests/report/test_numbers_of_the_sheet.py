@@ -3,6 +3,7 @@
 import json
 import math
 import re
+from datetime import UTC, datetime
 from types import SimpleNamespace
 
 import numpy as np
@@ -131,10 +132,12 @@ def test_times_tell_hours_trials_and_the_battery_left():
     rows = sheet._times(Overdue((time("out, arrival"), time(p999=10_000.0)), {}, ()), None).rows
     assert rows[0] == ("out, arrival", "87\u00a0%", "1:01", "2:00", "2:30", "", "12.3")
     assert rows[1][5] == "2:47"
-    without = sheet._times(Overdue((time(energy_left=NAN),), {}, ()), None)
-    assert len(without.rows[0]) == len(without.columns) == 6
-    assert "Blank" in without.caption
-    assert "Blank" not in sheet._times(Overdue((time(p999=10_000.0),), {}, ()), None).caption
+    assert "Blank" in sheet._times(Overdue((time(), time(p999=10_000.0)), {}, ()), None).caption
+    without = sheet._times(Overdue((time(energy_left=NAN),), {}, ()), datetime(2026, 7, 4, 6, tzinfo=UTC))
+    assert "Blank" not in without.caption
+    assert len(without.rows[0]) == len(without.columns)
+    last = dict(zip(without.columns, without.rows[0], strict=True))["99 %"]  # so few trials tell of no later hour
+    assert last.replace("\u00a0", " ") == "2:30 h (04 Jul 08:30 UTC)"
     assert [len(list(sheet._battery(Overdue((time(energy_left=left),), {}, ())))) for left in (NAN, 3.0)] == [1, 0]
 
 

@@ -13,7 +13,7 @@ from missionplan.moments import moment_of, zone_written
 from missionplan.report.axes import column_of_panels, name_axis
 from missionplan.report.page import BLUE, GREEN, INK, ORANGE, PINK, Block, Figure, PageSection, Table, to_figure
 from missionplan.report.plan_view import WIDTH, frame
-from missionplan.report.quantities import quantity, reader_system, reader_unit
+from missionplan.report.quantities import in_reader_units, quantity, reader_system, reader_unit
 from missionplan.report.simulation.quantities import failure_in_words
 from missionplan.report.wording import number
 from missionplan.results.simulation import Outcome
@@ -41,7 +41,7 @@ def overdue_section(outcome: Outcome) -> Iterator[PageSection]:
     )
     yield PageSection(
         f"If it does not come back: worry after {_clock(found.worry_after, start)}",
-        [*blocks, words + " ".join(assumption.value for assumption in found.assumptions), *_battery(found)],
+        [*blocks, words + in_reader_units(" ".join(each.value for each in found.assumptions)), *_battery(found)],
         is_sheet=True,
     )
 
@@ -96,15 +96,17 @@ def _why(found: Overdue, start: datetime | None) -> str:
 
 def _times(found: Overdue, start: datetime | None) -> Table:
     has_energy = any(math.isfinite(time.energy_left) for time in found.times)
+    told = 1 + (0.95, 0.99, 0.999).index(found.worry_share)
     rows = []
     for time in found.times:
-        clocks = [_hours_minutes(value) for value in (time.p50, time.p95, time.p99)]
-        last = _clock(time.p999, start) if start else _hours_minutes(time.p999)
+        *before, latest = (time.p50, time.p95, time.p99, time.p999)[: told + 1]
+        clocks = [_hours_minutes(value) for value in before]
+        last = _clock(latest, start) if start else _hours_minutes(latest)
         energy = [number(time.energy_left, 0.05 * abs(time.energy_left) + 0.1)] if has_energy else []
         rows.append((time.name, f"{100.0 * time.share:.0f}\u00a0%", *clocks, last, *energy))
-    columns = ["at the surface", "trials", "50 %", "95 %", "99 %", "99.9 %"]
+    columns = ["at the surface", "trials", *("50 %", "95 %", "99 %", "99.9 %")[: told + 1]]
     caption = "Hours and minutes since the start by which that share of the trials is there."
-    if any(math.isnan(time.p95 + time.p99 + time.p999) for time in found.times):
+    if any("" in row for row in rows):
         caption += " Blank: too few trials to tell."
     if has_energy:
         columns.append("battery left (W h)")
@@ -115,7 +117,7 @@ def _times(found: Overdue, start: datetime | None) -> Table:
 def _map(outcome: Outcome, found: Overdue) -> Figure:
     """Draw the search areas; of the drift, one for each number of hours overdue."""
     drawn = [area for area in found.areas if area.share == SHARES[-1]]
-    shown = frame([], [area.points for area in drawn])
+    shown = frame([], [area.points for area in drawn], tallest=0.75)  # on paper it stands between two tables
     above = 0.15 + 0.2 * math.ceil(len({area.way for area in drawn}) / 2)
     figure, (axes,) = column_of_panels(WIDTH, [(WIDTH - 0.95) * shown.shape], (0.8, 0.15, 0.5, above))
     named: set[str] = set()
@@ -146,6 +148,7 @@ def _map(outcome: Outcome, found: Overdue) -> Figure:
 def _name_hours(axes: Axes, drawn: Sequence[SearchArea], limits: Array) -> None:
     """Write the hours beside the areas of the drift, each where the map's edge, lines and other hours are farthest."""
     taken = np.concatenate([area.points for area in drawn], axis=1)
+    several = len({area.after for area in drawn if area.overdue > 0.0}) > 1
     off = _LABEL_OFF * float(np.ptp(limits[0]))
     for area in sorted((area for area in drawn if area.overdue > 0.0), key=lambda area: area.centre_east):
         edges = area.points[:, np.argmax(_SIDES @ area.points, axis=1)]
@@ -153,10 +156,12 @@ def _name_hours(axes: Axes, drawn: Sequence[SearchArea], limits: Array) -> None:
         gaps = (places[:, :, None] - taken[:, None, :]) * [[[0.5]], [[1.0]]]  # words are wider than high
         edge = np.min((places - limits[:, :1]) * (limits[:, 1:] - places) > 0.0, axis=0)
         room = np.minimum(np.min(np.hypot(*gaps), axis=1), 0.9 * off)
-        east, north = place = places[:, np.argmax(room * edge)]
+        best = int(np.argmax(room * edge))
+        east, north = place = places[:, best]
+        align = ("right", "center", "left")[1 + round(_SIDES[best, 0])]  # away from the area
         taken = np.concatenate((taken, np.tile(place[:, None], 2)), axis=1)
-        words = f"+{area.overdue / 3600.0:.0f}\u00a0h"
-        axes.text(east / 1000.0, north / 1000.0, words, fontsize=8, ha="center", va="center", color=INK)
+        words = f"{f'{area.after} ' if several else ''}+{area.overdue / 3600.0:.0f}\u00a0h"
+        axes.text(east / 1000.0, north / 1000.0, words, fontsize=8, ha=align, va="center", color=INK)
 
 
 def _areas(outcome: Outcome, found: Overdue) -> Table:
