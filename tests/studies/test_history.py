@@ -110,6 +110,19 @@ def told_afresh(root: Path, name: str, day: int, value: float, sd: float, of: in
     (root / name / FILE).write_bytes(content)
 
 
+def test_reports_are_in_the_order_of_their_data_whatever_their_names_and_when_they_were_made(tmp_path: Path) -> None:
+    """An extended mission keeps its `start`, so that it tells of no order."""
+    for day, (name, of) in enumerate([("summer", 30), ("spring", 20), ("autumn", 40)], 1):
+        told_afresh(tmp_path, name, day, 0.05 + 0.001 * of, 0.002, of)
+        (tmp_path / name / "mission.yaml").write_text(yaml.safe_dump({"name": "made", "start": "2026-01-01T00:00:00Z"}))
+    found = missionplan.history(tmp_path)
+    assert (found.ordered_by, found.reports) == ("data", ("spring", "summer", "autumn"))
+    assert [each.report for each in found.entries] == [each.record for each in found.levels[0].missions]
+    assert [each.time[:10] for each in found.entries] == ["2026-06-17", "2026-06-27", "2026-07-07"]
+    report(tmp_path, "other", "2026-05-02T12:00:00Z", found={"fix-error": (0.05, 0.01)}, start="2026-01-01T00:00:00Z")
+    assert missionplan.history(tmp_path).reports == ("summer", "spring", "other", "autumn")
+
+
 def test_values_found_afresh_are_followed_by_their_level(tmp_path: Path) -> None:
     """0.05, 0.05 and then 0.13 rad with 0.005 each, 11 standard deviations apart, or 0.055, less than one."""
     for last, jumps in ((0.13, ["c"]), (0.055, [])):
@@ -224,7 +237,7 @@ def test_every_number_of_an_entry_is_its_report_s(tmp_path: Path) -> None:
         tmp_path, "b", "2026-05-01T00:00:00Z", confirmed={"compass-bias": (0.06, 0.02)}, start="2026-02-01T00:00:00Z"
     )
     found = missionplan.history(tmp_path)
-    assert (found.by_start, found.ordered_by) == (True, "start")
+    assert found.ordered_by == "start"
     rows = [
         (e.report, e.mission, e.dataset, e.time[:10], e.effect, e.name, e.value, e.sd, e.unit, e.state, e.probability)
         for e in found.entries
@@ -239,7 +252,7 @@ def test_every_number_of_an_entry_is_its_report_s(tmp_path: Path) -> None:
     assert [parameter.effect for parameter in found.values] == ["compass-bias", "speed-scale"]
     (tmp_path / "b" / "mission.yaml").write_text("name: made")
     later = missionplan.history(tmp_path)
-    assert (later.by_start, later.ordered_by, later.reports) == (False, "created", ("b", "a"))
+    assert (later.ordered_by, later.reports) == ("created", ("b", "a"))
     assert [each.time[:10] for each in later.entries] == ["2026-05-01", "2026-05-09", "2026-05-09"]
 
 

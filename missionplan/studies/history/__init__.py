@@ -80,6 +80,13 @@ class _Report:
         return frozenset(map(str, hashes)) if isinstance(hashes, list) else None
 
     @property
+    def data(self) -> str:
+        """Date of what it learned from, where that told of a level; else empty."""
+        own = hash_of(self.summary.get("learned_from"))
+        dates = [each.date for each in self.seen if each.record == own and math.isfinite(each.date)]
+        return datetime.fromtimestamp(dates[0], UTC).isoformat(timespec="seconds") if dates else ""
+
+    @property
     def created(self) -> str:
         return str(self.summary.get("created_utc", ""))
 
@@ -87,7 +94,8 @@ class _Report:
 def history(folder: str | Path, *, mission: MissionOrPath | None = None) -> History:
     """Follow learned parameters from mission to mission, and update failure rates by a fleet's counts.
 
-    Reports are in the order of their missions' `start` where all have one, else of the time at which they were made.
+    Reports are in the order of their data where all tell their date, else of their missions' `start` where all have
+    one, else of the time at which they were made.
 
     Parameters
     ----------
@@ -111,9 +119,9 @@ def history(folder: str | Path, *, mission: MissionOrPath | None = None) -> Hist
         copies = (*copies, "the mission's failure rates have all counts in them already")
     reports, foreign = _reports(root, needed=not rows)
     reports, notices = _counted_once(reports)
-    by_start = all(report.start for report in reports)
-    reports.sort(key=lambda report: (_moment(report.start if by_start else report.created), report.place))
-    entries, levels = _followed(reports, by_start=by_start)
+    ordered_by = next((by for by in ("data", "start") if all(getattr(each, by) for each in reports)), "created")
+    reports.sort(key=lambda each: (*(_moment(getattr(each, by)) for by in (ordered_by, "created")), each.place))
+    entries, levels = _followed(reports, ordered_by)
     places = tuple(report.place for report in reports)
     provenance = Provenance(
         command="history",
@@ -129,12 +137,12 @@ def history(folder: str | Path, *, mission: MissionOrPath | None = None) -> Hist
         },
     )
     written = rates_file(rates, planned) if rates else ""
-    return History(provenance, places, entries, by_start, levels, rates, written)
+    return History(provenance, places, entries, ordered_by, levels, rates, written)
 
 
-def _followed(reports: Sequence[_Report], *, by_start: bool) -> tuple[tuple[Learned, ...], tuple[ParameterLevels, ...]]:
+def _followed(reports: Sequence[_Report], ordered_by: str) -> tuple[tuple[Learned, ...], tuple[ParameterLevels, ...]]:
     """Return what ordered reports say of each parameter, and how each that has a level went over all of them."""
-    entries = [entry for report in reports for entry in _learned(report, report.start if by_start else report.created)]
+    entries = [entry for report in reports for entry in _learned(report, getattr(report, ordered_by))]
     # levels by all that the draws of reports have seen, each record once
     names = {hash_of(report.summary.get("learned_from")): report.place for report in reports}
     levels = parameter_levels([each for report in reports for each in report.seen], names)

@@ -38,7 +38,7 @@ def page(history: History) -> Page:
     """Build the page of a history."""
     folder, given = shlex.quote(str(history.provenance.options["folder"])), history.provenance.options.get("mission")
     rates = Table(RATES, _rate_rows(history), _OF_RATES, text_columns=3)
-    order = "the missions' starts" if history.by_start else "the times at which the reports were made"
+    order = {"data": "the data", "start": "the missions' starts"}.get(history.ordered_by, "the times of the reports")
     return Page(
         title="What was learned from mission to mission",
         answer=answer(history),

@@ -34,12 +34,7 @@ class Learned(Record):
     report: Annotated[str, Entry("its folder, below that of the history")]
     mission: Annotated[str, Entry("the mission's name")]
     dataset: Annotated[str, Entry("the data set's name")]
-    time: Annotated[
-        str,
-        Entry(
-            "start of the mission where each report's mission has one, else when the report was made (UTC, ISO 8601)"
-        ),
-    ]
+    time: Annotated[str, Entry("of its data, its mission's start or when it was made, as ``ordered_by`` says (UTC)")]
     effect: Annotated[str, Entry("whose parameter it is")]
     name: Annotated[str, Entry("of the parameter")]
     value: Annotated[float, Entry("of the parameter, in its unit")]
@@ -116,8 +111,9 @@ class History(Result):
     reports: Annotated[tuple[str, ...], Entry("diagnoses, in the order of time")]
     entries: tuple[Learned, ...]
     """In the order of time."""
-    by_start: bool
-    """Whether times are those of the missions' starts, not those at which the reports were made."""
+    ordered_by: Annotated[
+        str, Entry("times: date of the ``data``, ``start`` of the missions, or when the reports were ``created``")
+    ]
     levels: Annotated[tuple[ParameterLevels, ...], Entry("how parameters of the vehicle go", optional=True)] = ()
     rates: Annotated[tuple[FailureRate, ...], Entry("failure rates, where the folder has counts", optional=True)] = ()
     rates_file: str = ""
@@ -135,11 +131,6 @@ class History(Result):
     def changes(self) -> list[Learned]:
         """Where a parameter was no longer as before."""
         return [entry for entry in self.entries if entry.is_change]
-
-    @property
-    def ordered_by(self) -> Annotated[str, Entry()]:
-        """``start`` of the missions, or when the reports were ``created``."""
-        return "start" if self.by_start else "created"
 
     @property
     def values(self) -> Annotated[list[LearnedParameter], Entry(key="parameters")]:
