@@ -1,7 +1,6 @@
 """Report of `optimise`: the choice, its check, what binds, the front, or what the obstacle is."""
 
 import math
-import shlex
 from collections.abc import Callable, Iterator
 
 import numpy as np
@@ -15,7 +14,7 @@ from missionplan.report.explained import (
     outcome_hangs_on_doubt,
     what_would_tell,
 )
-from missionplan.report.page import BLUE, GREY, ORANGE, Figure, Listing, Page, PageSection, Table, to_figure
+from missionplan.report.page import BLUE, GREY, ORANGE, Figure, Listing, Page, PageSection, Table, to_figure, typed
 from missionplan.report.quantities import Unit, range_on, unit_for, value_on, with_error
 from missionplan.report.simulation.quantities import requirement_in_words
 from missionplan.report.wording import in_words, keys_in_words, listed, number, percent, rounded_down, rounded_up, share
@@ -71,6 +70,8 @@ _SAILED = "Each trial sails in one member of the ensemble; a row has the trials 
 
 def page(found: Optimised) -> Page:
     """Build the page."""
+    made = found.provenance
+    again = {"choose": made.options.get("choose"), "aim": found.aim, "trials": made.trials, "seed": made.seed}
     return Page(
         title=f"What to choose? {found.provenance.mission}",
         answer=answer(found),
@@ -86,7 +87,7 @@ def page(found: Optimised) -> Page:
             _effort(found),
         ],
         verdict="bad" if not found.feasible else "undecided" if outcome_hangs_on_doubt(found.fresh) else "good",
-        rerun=_rerun(found),
+        rerun=typed("optimise", "mission.yaml", **again),
         table=lambda: (
             ("", "chosen" if found.feasible else "nearest"),
             [(_name(name), _shown(found, name, value)) for name, value in found.chosen.items()],
@@ -284,10 +285,3 @@ def _effort(found: Optimised) -> PageSection:
         "guaranteed to be found."
     )
     return PageSection("How it was found", [text, Listing("missionplan simulate mission-optimised.yaml")])
-
-
-def _rerun(found: Optimised) -> str:
-    choose = found.provenance.options.get("choose")
-    words = [f"--choose {shlex.quote(str(each))}" for each in (choose if isinstance(choose, list) else [])]
-    trials = f"--trials {found.provenance.trials} --seed {found.provenance.seed}"
-    return " ".join(["missionplan optimise mission.yaml", *words, f"--aim {found.aim}", trials])

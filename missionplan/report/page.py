@@ -2,6 +2,7 @@
 
 import io
 import re
+import shlex
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
@@ -213,6 +214,17 @@ class PageSection:
     """Whether it is printed on a page of its own, after everything else."""
     is_summary: bool = False
     """Whether it belongs to the page that comes first; all else is folded on a screen until it is asked for."""
+
+
+def typed(command: str, /, *words: object, **options: object) -> str:
+    """Write a command as one types it: an option that is None is left out, of a list each item has it, True is bare."""
+    items = [(key, each) for key, given in options.items() for each in (given if isinstance(given, list) else [given])]
+    told = [
+        f"--{key.replace('_', '-')}{'' if each is True else f' {shlex.quote(str(each))}'}"
+        for key, each in items
+        if each is not None
+    ]
+    return " ".join(["missionplan", command, *(shlex.quote(str(word)) for word in words), *told])
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,5 @@
 """Report of `sweep-transition`: depth, pitch and energy of slowing down to hover, after Palmer, Hearn & Stevenson."""
 
-import shlex
 from collections.abc import Callable
 
 import matplotlib as mpl
@@ -10,7 +9,7 @@ from matplotlib.figure import Figure as MatplotlibFigure
 
 from missionplan.arrays import Array
 from missionplan.report.axes import name_axis
-from missionplan.report.page import BLUE, GREEN, GREY, ORANGE, Cells, Figure, Page, PageSection, Table, to_figure
+from missionplan.report.page import BLUE, GREEN, GREY, ORANGE, Cells, Figure, Page, PageSection, Table, to_figure, typed
 from missionplan.report.quantities import as_written, quantity, span_of
 from missionplan.studies.sweep_transition import FORCE, PAIR, SUCTION, TimeHistory, TransitionSweep
 
@@ -128,14 +127,13 @@ def pitch_by_variant(result: TransitionSweep) -> Figure:
 def page(result: TransitionSweep) -> Page:
     """Build the page of a sweep."""
     made = result.provenance
-    phase = shlex.quote(str(made.options["phase"]))
     return Page(
         title="Transition from survey speed to hover",
         answer=answer(result),
         draw=lambda: unassisted_figure(result),
         numbers=_numbers(result),
         write=lambda: _sections(result),
-        rerun=f"missionplan sweep-transition {shlex.quote(made.file)} --phase {phase}",
+        rerun=typed("sweep-transition", made.file, phase=made.options["phase"]),
         table=lambda: _cells(result),
         plots={"energy": draw_energy, "rise": rise, "pitch": pitch},
     )

@@ -155,7 +155,7 @@ def test_the_checks_have_both_seeds_beside_what_is_required():
     assert "11 000 trials searched the 6 combinations, 8000 more checked the choice, and 2048" in plain(
         report._effort(found()).blocks[0]
     )
-    assert report._rerun(found()).endswith("--choose 'out.speed=1:2:1 m/s' --aim energy --trials 4000 --seed 7")
+    assert report.page(found()).rerun.endswith("--choose 'out.speed=1:2:1 m/s' --aim energy --trials 4000 --seed 7")
 
 
 def test_the_front_is_in_the_order_of_energy_with_its_own_numbers():

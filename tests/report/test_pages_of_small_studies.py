@@ -337,7 +337,9 @@ def test_the_tables_of_a_rare_failure():
         "95 % interval": "9.0·10⁻⁷ to 1.7·10⁻⁶",
         "Coefficient of variation": "12.3 %",
     }
-    assert rare._rerun(failure()) == "missionplan simulate m.yaml --rare 'not total.success' --seed 5 --trials 40000"
+    assert (
+        rare.page(failure()).rerun == "missionplan simulate m.yaml --rare 'not total.success' --seed 5 --trials 40000"
+    )
     frame = failure().to_frame()
     assert frame[["share", "mean", "usual", "shift"]].to_numpy()[0].tolist() == pytest.approx([0.77, 9.0, 2.0, 5.0])
     axes = Figure().add_subplot()

@@ -1,6 +1,5 @@
 """Report of `diagnose` with several data sets: what each showed, what they share, and each one's own answer."""
 
-import shlex
 from collections.abc import Mapping
 from dataclasses import replace
 
@@ -14,7 +13,7 @@ from missionplan.report.diagnosis.kind_report import names, percent
 from missionplan.report.diagnosis.page import answer as answer_of
 from missionplan.report.diagnosis.page import page as page_of
 from missionplan.report.diagnosis.plan import next_trial_section
-from missionplan.report.page import Block, Page, PageSection, Table
+from missionplan.report.page import Block, Page, PageSection, Table, typed
 from missionplan.results.entries import mapping, real
 from missionplan.results.learned import Campaign
 
@@ -41,7 +40,7 @@ def page(campaign: Campaign) -> Page:
         answer=answer(campaign),
         numbers=[("Data sets", str(len(campaign.diagnoses))), ("Effects learned of", str(len(campaign.informed_by)))],
         write=lambda: _sections(campaign),
-        rerun=f"missionplan diagnose {' '.join(shlex.quote(str(path)) for path in given)} --seed {made.seed}",
+        rerun=typed("diagnose", *given, seed=made.seed),
         table=lambda: (COLUMNS, _rows(campaign)),
         plots={"ranking": ranking},
     )

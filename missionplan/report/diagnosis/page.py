@@ -1,7 +1,6 @@
 """Report of a diagnosis: what the mission gets wrong, how sure that is, and what to do next."""
 
 import math
-import shlex
 
 from missionplan.effects import CATALOGUE
 from missionplan.report.diagnosis.evidence import (
@@ -37,7 +36,7 @@ from missionplan.report.diagnosis.plan import (
     plan_words,
 )
 from missionplan.report.diagnosis.scoring import dataset_sections, told
-from missionplan.report.page import Block, Page, PageSection, Table
+from missionplan.report.page import Block, Page, PageSection, Table, typed
 from missionplan.report.wording import capitalised, listed
 from missionplan.results.learned import Diagnosis
 from missionplan.results.learned.evidence import SURE, NextMeasurement, ParameterEstimate
@@ -60,10 +59,8 @@ def page(diagnosis: Diagnosis) -> Page:
     """Build the page of a diagnosis."""
     kind = REPORTS[diagnosis.kind]
     made = diagnosis.provenance
-    files = " ".join(shlex.quote(str(path)) for path in (made.file, made.options["dataset"]))
-    valued = " --next-trial" if diagnosis.next_trial is not None else ""
     share = made.options.get("holdout")
-    held_out = "" if share is None else f" --holdout {share:g}"
+    again = {"next_trial": diagnosis.next_trial is not None or None, "holdout": None if share is None else f"{share:g}"}
     return Page(
         title=f"Diagnosis of {diagnosis.provenance.mission} with {diagnosis.data}",
         answer=answer(diagnosis),
@@ -71,7 +68,7 @@ def page(diagnosis: Diagnosis) -> Page:
         numbers=_numbers(diagnosis),
         write=lambda: _sections(diagnosis),
         verdict={"adequate": "good", "explained": "good", "unexplained": "bad"}.get(diagnosis.verdict, ""),
-        rerun=f"missionplan diagnose {files} --seed {made.seed}{valued}{held_out}",
+        rerun=typed("diagnose", made.file, made.options["dataset"], seed=made.seed, **again),
         table=lambda: ranking_rows(diagnosis.ranking[:6]),
         sentence=f"{answer(diagnosis)}{next_trial_told(diagnosis.next_trial)}",
         plots={"ranking": draw_ranking, "held_out": draw_held_out},

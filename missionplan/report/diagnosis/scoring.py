@@ -1,7 +1,5 @@
 """Report of `score`: how well a mission as it stands predicts measured data."""
 
-import shlex
-
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure as MatplotlibFigure
@@ -10,7 +8,7 @@ from matplotlib.ticker import MaxNLocator
 from missionplan.errors import InputError, Problem, counted, shown
 from missionplan.montecarlo.statistics import wilson
 from missionplan.report.axes import name_axis
-from missionplan.report.page import BLUE, GREY, ORANGE, Figure, Page, PageSection, Table, to_figure
+from missionplan.report.page import BLUE, GREY, ORANGE, Figure, Page, PageSection, Table, to_figure, typed
 from missionplan.report.quantities import quantity
 from missionplan.results.score import PIT_BINS, STATED, DatasetScore, Prediction, Score, pit_counts
 
@@ -132,7 +130,7 @@ def page(score: Score) -> Page:
     """Build the page of a score."""
     made = score.provenance
     folders = made.options["datasets"]
-    named = [shlex.quote(str(path)) for path in (folders if isinstance(folders, list) else [])]
+    named = folders if isinstance(folders, list) else []
     table = _overview(score) if len(score.datasets) > 1 else _table(score.datasets[0])
     as_good = all(each.one_step.skill("last_leg") > -SAME for each in score.datasets)
     return Page(
@@ -145,7 +143,7 @@ def page(score: Score) -> Page:
             *(section for each in score.datasets for section in dataset_sections(each)),
         ],
         verdict="bad" if not score.is_within_chance else "good" if as_good else "undecided",
-        rerun=f"missionplan score {shlex.quote(made.file)} {' '.join(named)} --seed {made.seed}",
+        rerun=typed("score", made.file, *named, seed=made.seed),
         table=lambda: (table.columns, table.rows),
         plots={"predictions": draw_predictions},
     )

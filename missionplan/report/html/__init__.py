@@ -1,7 +1,6 @@
 """A page as one self-contained HTML file: its template `page.html`, its style `page.css`, figures as SVG in it."""
 
 import re
-import shlex
 from base64 import b64encode
 from collections.abc import Sequence
 from dataclasses import replace
@@ -14,7 +13,7 @@ from jinja2 import Environment, PackageLoader
 from markupsafe import Markup
 
 from missionplan.rendering import Rendered
-from missionplan.report.page import BLUE, GRID, INK, Block, Figure, Page, PageSection, Table
+from missionplan.report.page import BLUE, GRID, INK, Block, Figure, Page, PageSection, Table, typed
 from missionplan.report.quantities import given_units
 from missionplan.report.wording import capitalised
 from missionplan.results import Provenance, to_yaml
@@ -179,11 +178,7 @@ def rerun_command(provenance: Provenance) -> str:
     own = mapping(provenance.data.get("monte_carlo")).get("trials")
     chosen = provenance.trials > 0 and not provenance.options.get("precision")
     given = {"trials": provenance.trials if chosen and provenance.trials != own else None, **provenance.options}
-    options = [
-        f"--{name.replace('_', '-')} {shlex.quote(str(value))}"
-        for name, value in given.items()
-        if value is not None and not isinstance(value, bool)
-    ]
-    options += ["--no-assumptions"] if provenance.options.get("assumptions") is False else []
-    units = [f"--units {given_units()}"] if given_units() else []
-    return " ".join(["missionplan", provenance.command, "mission.yaml", f"--seed {provenance.seed}", *options, *units])
+    options = {name: value for name, value in given.items() if not isinstance(value, bool)}
+    bare = provenance.options.get("assumptions") is False or None
+    shown = {"seed": provenance.seed, **options, "no_assumptions": bare, "units": given_units() or None}
+    return typed(provenance.command, "mission.yaml", **shown)

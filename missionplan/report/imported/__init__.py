@@ -1,7 +1,6 @@
 """Report of `import`: what was made of the logs, what the legs can and cannot show, and what to type next."""
 
 import math
-import shlex
 from typing import Any
 
 import numpy as np
@@ -35,6 +34,7 @@ from missionplan.report.page import (
     PageSection,
     Table,
     to_figure,
+    typed,
 )
 from missionplan.report.quantities import quantity, reader_unit
 from missionplan.results.imported import ImportedData
@@ -173,7 +173,7 @@ def page(result: ImportedData) -> Page:
         numbers=_numbers(result),
         write=lambda: _sections(result),
         verdict="" if result.counted else "bad",
-        rerun=f"missionplan import SOURCE --out DATASET --kind {result.kind} --format {shlex.quote(result.format)}",
+        rerun=typed("import", "SOURCE", out="DATASET", kind=result.kind, format=result.format),
         sentence=f"{answer(result)} Next, in that folder: {result.next_commands[0]}{common}",
         table=lambda: _cells(result),
         plots={"track": draw_track},

@@ -1,6 +1,5 @@
 """Report of `compare` of missions, several reports, or what was chosen: one table, and which is better."""
 
-import shlex
 from collections.abc import Iterator
 from functools import cache
 
@@ -8,7 +7,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure as MatplotlibFigure
 
-from missionplan.report.page import BLUE, ORANGE, Cells, Figure, Page, PageSection, Table, to_figure
+from missionplan.report.page import BLUE, ORANGE, Cells, Figure, Page, PageSection, Table, to_figure, typed
 from missionplan.report.quantities import PERCENT, Unit, unit_for, with_error
 from missionplan.report.wording import in_words, listed, percent
 from missionplan.studies.comparison.choices_page import (
@@ -37,7 +36,7 @@ def page(found: Alternatives) -> Page:
     curves = cache(lambda: curves_figure(found))
     sources, made = [each.source for each in found.alternatives], found.provenance
     drawn = any(source.endswith((".yaml", ".yml")) for source in sources)
-    draws = f" --trials {made.trials} --seed {made.seed}" if drawn else ""
+    draws = {"trials": made.trials, "seed": made.seed} if drawn else {}
     return Page(
         title=f"Which is better? {found.provenance.mission}",
         answer=answer(found),
@@ -49,7 +48,7 @@ def page(found: Alternatives) -> Page:
             *cells_section(found),
             *differing_section(found),
         ],
-        rerun=f"missionplan compare {shlex.join(sources)}{draws}",
+        rerun=typed("compare", *sources, **draws),
         table=lambda: _cells(found),
         plots={"alternatives": draw_alternatives},
     )

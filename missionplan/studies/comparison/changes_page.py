@@ -1,13 +1,12 @@
 """Numbers of two runs in words: their names, units and changes."""
 
-import shlex
 from collections.abc import Iterator, Mapping, Sequence
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure as MatplotlibFigure
 
 from missionplan.mission.checks.sections import QUANTITIES
-from missionplan.report.page import BLUE, INK, ORANGE, Cells, Figure, Page, PageSection, Table, to_figure
+from missionplan.report.page import BLUE, INK, ORANGE, Cells, Figure, Page, PageSection, Table, to_figure, typed
 from missionplan.report.quantities import PERCENT, Unit, as_written, reader_system, reader_unit, unit_for, with_error
 from missionplan.report.wording import has_spread, in_words, number, of_phase, split_key
 from missionplan.results.entries import mapping
@@ -137,7 +136,7 @@ def page(comparison: Comparison) -> Page:
             ("Changed in the results", _count(comparison.changed, "number")),
         ],
         write=lambda: list(_sections(comparison)),
-        rerun=f"missionplan compare {shlex.join(run.folder for run in comparison.runs)}",
+        rerun=typed("compare", *(run.folder for run in comparison.runs)),
         table=lambda: _cells(comparison),
         plots={"changes": draw_changes},
     )

@@ -1,13 +1,12 @@
 """What an exploration found, in sentences, and its page: curves or maps, windows, the front, and what cannot be run."""
 
 import math
-import shlex
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from operator import attrgetter
 
 from missionplan.report.explained import hangs_on_doubt, members_in_words, members_section
-from missionplan.report.page import Cells, Page, PageSection, Table
+from missionplan.report.page import Cells, Page, PageSection, Table, typed
 from missionplan.report.quantities import range_on, unit_for, value_on, with_error
 from missionplan.report.wording import capitalised, in_words, listed, number, percent, share
 from missionplan.results.decision import Aim, Axis
@@ -154,7 +153,8 @@ _STATUS: dict[Status, str] = {
 def page(found: Exploration) -> Page:
     """Build the page."""
     what, is_line = " and ".join(name_of(axis) for axis in found.axes), len(found.axes) == 1
-    mapped = [] if is_line else quantities_shown(found)
+    mapped, made = [] if is_line else quantities_shown(found), found.provenance
+    again = {"vary": made.options.get("vary"), "quantity": made.options.get("quantity"), "aim": found.aim}
     numbers = [(f"{capitalised(tried(found))} tried", str(len(found.cells)))]
     numbers.append(("Trials of each", str(found.provenance.trials)))
     if found.best_cell is not None:
@@ -171,7 +171,7 @@ def page(found: Exploration) -> Page:
             *_others(found),
         ],
         verdict=_verdict(found),
-        rerun=_rerun(found),
+        rerun=typed("explore", "mission.yaml", **again, trials=made.trials, seed=made.seed),
         table=lambda: _cells(found),
         plots={"cells": draw_exploration},
     )
@@ -263,13 +263,3 @@ def _others(found: Exploration) -> Iterator[PageSection]:
             f"{len(unrun)} of {len(found.cells)} {tried(found)} cannot be run",
             [Table(("for instance", tried(found), "reason"), rows, "All reasons are in explore.csv.", text_columns=3)],
         )
-
-
-def _rerun(found: Exploration) -> str:
-    options = found.provenance.options
-    vary, quantities = options.get("vary"), options.get("quantity")
-    words = ["missionplan explore mission.yaml"]
-    words += [f"--vary {shlex.quote(str(each))}" for each in (vary if isinstance(vary, list) else [])]
-    words += [f"--quantity {shlex.quote(str(each))}" for each in (quantities if isinstance(quantities, list) else [])]
-    words += [f"--aim {found.aim} --trials {found.provenance.trials} --seed {found.provenance.seed}"]
-    return " ".join(words)

@@ -1,7 +1,6 @@
 """Report of `history`: each learned parameter from mission to mission, with its intervals, and where it changed."""
 
 import math
-import shlex
 from collections.abc import Sequence
 
 import numpy as np
@@ -10,7 +9,7 @@ from matplotlib.figure import Figure as MatplotlibFigure
 
 from missionplan.errors import InputError, Problem, did_you_mean, shown
 from missionplan.report.diagnosis.findings import ageing_in_words
-from missionplan.report.page import BLUE, GREY, ORANGE, Cells, Figure, Page, PageSection, Table, to_figure
+from missionplan.report.page import BLUE, GREY, ORANGE, Cells, Figure, Page, PageSection, Table, to_figure, typed
 from missionplan.report.quantities import Unit, reader_unit
 from missionplan.report.wording import capitalised, listed, parameter_in_words
 from missionplan.studies.history.result import History, Learned
@@ -36,7 +35,7 @@ COLUMNS = ("Parameter", "Report", "Value", "90 % interval", "State")
 
 def page(history: History) -> Page:
     """Build the page of a history."""
-    folder, given = shlex.quote(str(history.provenance.options["folder"])), history.provenance.options.get("mission")
+    options = history.provenance.options
     rates = Table(RATES, _rate_rows(history), _OF_RATES, text_columns=3)
     order = {"data": "the data", "start": "the missions' starts"}.get(history.ordered_by, "the times of the reports")
     return Page(
@@ -52,7 +51,7 @@ def page(history: History) -> Page:
             *([PageSection("How often equipment fails", [rates])] if history.rates else []),
             PageSection("All values", [Table(COLUMNS, _rows(history), f"In the order of {order}.", 2)]),
         ],
-        rerun=f"missionplan history {folder}{f' --mission {shlex.quote(str(given))}' if given else ''}",
+        rerun=typed("history", options["folder"], mission=options.get("mission") or None),
         table=lambda: _cells(history),
         plots={"parameter": parameter},
     )

@@ -1,7 +1,6 @@
 """Report of `identify`: the parameters, and each fit over its data with the residuals below."""
 
 import math
-import shlex
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -21,6 +20,7 @@ from missionplan.report.page import (
     PageSection,
     Table,
     to_figure,
+    typed,
 )
 from missionplan.report.wording import capitalised
 from missionplan.results import to_yaml
@@ -38,7 +38,7 @@ def page(result: Identification) -> Page:
         draw=lambda: panel_figure(result.panels[0]),
         numbers=_numbers(result),
         write=lambda: _sections(result),
-        rerun=f"missionplan identify {shlex.quote(result.provenance.file)}",
+        rerun=typed("identify", result.provenance.file),
         table=lambda: _cells(result),
         plots={"fit": fit},
     )

@@ -1,12 +1,11 @@
 """Report of a rare failure: how probable it is, and how it comes about."""
 
 import math
-import shlex
 from collections.abc import Iterator
 
 from matplotlib.axes import Axes
 
-from missionplan.report.page import Block, Cells, Page, PageSection, Table
+from missionplan.report.page import Block, Cells, Page, PageSection, Table, typed
 from missionplan.report.quantities import Unit, reader_unit
 from missionplan.report.simulation.quantities import failure_in_words
 from missionplan.report.wording import capitalised, in_words, number
@@ -18,12 +17,14 @@ _DEGREES = Unit("°", math.radians(1.0))
 
 def page(found: RareFailure) -> Page:
     """Build the page of a rare failure."""
+    made = found.provenance
+    asked = {name: made.options.get(name) for name in ("trials", "precision")}
     return Page(
         title=f"Rare failure: {found.provenance.mission or found.provenance.file}",
         answer=answer(found),
         numbers=_numbers(found),
         write=lambda: [*_how(found), *_driven(found), *_precision(found)],
-        rerun=_rerun(found),
+        rerun=typed("simulate", made.file, rare=found.event, seed=made.seed, **asked),
         table=lambda: _cells(found),
         plots={"failures": failures},
     )
@@ -169,14 +170,6 @@ def _numbers(found: RareFailure) -> list[tuple[str, str]]:
         ("95 % interval", f"{low} to {high}"),
         ("Coefficient of variation", f"{100.0 * found.variation:.1f} %"),
     ]
-
-
-def _rerun(found: RareFailure) -> str:
-    made = found.provenance
-    more = "".join(
-        f" --{name} {made.options[name]}" for name in ("trials", "precision") if made.options.get(name) is not None
-    )
-    return f"missionplan simulate {shlex.quote(made.file)} --rare {shlex.quote(found.event)} --seed {made.seed}{more}"
 
 
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")

@@ -1,7 +1,6 @@
 """Report of `tide`: how much of the current is tide, how well that forecasts, and the fragment of a mission."""
 
 import math
-import shlex
 from datetime import UTC, datetime
 from typing import Literal
 
@@ -27,6 +26,7 @@ from missionplan.report.page import (
     PageSection,
     Table,
     to_figure,
+    typed,
 )
 from missionplan.report.quantities import Unit, quantity, reader_unit, with_error
 from missionplan.report.wording import number
@@ -112,6 +112,8 @@ _AS_IT_IS = Unit("", 1.0)
 
 def page(result: TideResult) -> Page:
     """Build the page of a tidal analysis."""
+    made = result.provenance
+    latitude, start = f"{made.options['latitude_deg']} deg", made.options["start"] or None
     return Page(
         title=f"Tide: {result.provenance.mission}",
         answer=answer(result),
@@ -123,7 +125,7 @@ def page(result: TideResult) -> Page:
             _in_a_mission(result),
             *(_constituents(tide) for tide in result.depths),
         ],
-        rerun=_rerun(result),
+        rerun=typed("tide", made.file, latitude=latitude, start=start),
         table=lambda: _cells(result),
         plots={"ellipses": draw_ellipses, "record": draw_record},
     )
@@ -239,9 +241,3 @@ def _row(wave: Constituent) -> tuple[str, ...]:
         for value, error in pairs
     )
     return name, *told
-
-
-def _rerun(result: TideResult) -> str:
-    options = result.provenance.options
-    start = f" --start {options['start']}" if options["start"] else ""
-    return f"missionplan tide {shlex.quote(result.provenance.file)} --latitude '{options['latitude_deg']} deg'{start}"

@@ -146,7 +146,7 @@ def test_tables_have_each_cell_s_numbers():
     assert pages._verdict(exploration([CELLS[0], CELLS[4]])) == "bad"
     assert pages.page(exploration()).numbers[1:] == [("Choices tried", "6"), ("Trials of each", "1000")]
     assert (
-        pages._rerun(exploration())
+        pages.page(exploration()).rerun
         == "missionplan explore mission.yaml --vary 'a=1:2:1 m' --quantity moor.offset --aim success --trials 1000 --seed 4"
     )
 
