@@ -115,17 +115,6 @@ class TransitionMission(Generic[V]):
         return _named(self.mission.transitions, name, "a transition")
 
 
-@dataclass(frozen=True)
-class ExplainedMission:
-    """A mission in which one explanation is known to hold."""
-
-    causes: tuple[str, ...]
-    """Its effects; empty for none."""
-    probability: float
-    """As the mission gives it."""
-    mission: Mission
-
-
 def missing_for_transits(mission: Mission[object]) -> list[Problem]:
     """List what a mission lacks to run transits."""
     return _no_phase(mission, mission.transits, "transit") + _missing(

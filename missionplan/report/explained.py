@@ -46,7 +46,7 @@ UNLIKELY = 0.05
 """Probability of an explanation or a member below which it turns no answer."""
 SMALL = 0.05
 """Share of a variance below which it is not worth finding out which explanation holds."""
-_COLUMNS = ("explanation", "probability", "success (95 % interval)", "duration (5–95 %)", "energy (5–95 %)")
+_COLUMNS = ("probability", "success (95 % interval)", "duration (5–95 %)", "energy (5–95 %)")
 _MATTERS = ("total.success", "total.duration_s", "total.energy_wh")
 
 
@@ -64,48 +64,36 @@ def explanation_in_words(outcome: Outcome) -> str:
     return f"Whichever explanation holds, it succeeds as often, as far as the trials can tell{ends}."
 
 
-def member_sections(outcome: Outcome) -> Iterator[PageSection]:
-    """Tabulate the members of the current's ensemble, the worst first."""
-    if outcome.members:
-        tried = sorted(outcome.members, key=lambda each: each.success.value if each.trials else 2.0)
-        note = "Each trial sails in one member of the ensemble; a row has the trials that sail in it."
-        columns = ("member", *_COLUMNS[1:])
-        rows = [(each.causes[0], *row[1:]) for each, row in zip(tried, _rows(outcome, tried), strict=True)]
-        words = [_worth(found, "member") for found in _by_place(outcome, outcome.members)]
-        heading = (
-            DIFFER.format("mission")
-            if differ([each.success for each in tried if each.trials])
-            else "Members of the current's ensemble"
-        )
-        yield PageSection(heading, [*words, Table(columns, rows, note)])
+def doubt_sections(outcome: Outcome) -> Iterator[PageSection]:
+    """Tabulate explanations, and members of the current's ensemble, the worst first; say what each doubt accounts for.
 
-
-def explanation_sections(outcome: Outcome) -> Iterator[PageSection]:
-    """Tabulate the explanations, and say how much of the variance is due to which of them holds."""
-    if outcome.explanations:
-        words = [_worth(found, "cause") for found in _by_place(outcome, outcome.explanations)]
-        note = "Each trial draws which explanation holds; a row has the trials in which it does."
-        rows = _rows(outcome, outcome.explanations)
-        yield PageSection("Which explanation holds", [*words, Table(_COLUMNS, rows, note)])
-
-
-def _rows(outcome: Outcome, explained: Sequence[ExplainedOutcome]) -> list[tuple[str, ...]]:
-    rows = []
-    for each in explained:
-        ranges = []
-        for key, statistic in (("duration_s", each.duration), ("energy_wh", each.energy)):
-            unit = unit_for("total", key, outcome.provenance.data, typical=statistic.p50)
-            low, _, high = span(statistic, unit)
-            ranges.append("–" if not statistic.count else f"{low} to {high}{unit.suffix}")
-        rows.append((label(each.causes), f"{100.0 * each.probability:.1f} %", percent(each.success), *ranges))
-    return rows
-
-
-def _by_place(outcome: Outcome, explained: Sequence[ExplainedOutcome]) -> list[list[Sensitivity]]:
-    """Influences of which explanation holds, of each of the mission's doubts, or of which member."""
-    places = dict.fromkeys(each.place for each in explained)
-    found = [[s for s in outcome.sensitivities if s.source == place and s.output in _MATTERS] for place in places]
-    return [each for each in found if each]
+    How much of the variance is due to which of them holds is told of each of the mission's doubts.
+    """
+    sailed = sorted(outcome.members, key=lambda each: each.success.value if each.trials else 2.0)
+    is_spoilt = differ([each.success for each in sailed if each.trials])
+    heading = DIFFER.format("mission") if is_spoilt else "Members of the current's ensemble"
+    explains = "Each trial draws which explanation holds; a row has the trials in which it does."
+    sails = "Each trial sails in one member of the ensemble; a row has the trials that sail in it."
+    doubts: tuple[tuple[str, str, Sequence[ExplainedOutcome], str, str], ...] = (
+        ("Which explanation holds", "explanation", outcome.explanations, "cause", explains),
+        (heading, "member", sailed, "member", sails),
+    )
+    for title, column, found, what, note in doubts:
+        places = dict.fromkeys(each.place for each in found)
+        influences = [
+            [s for s in outcome.sensitivities if s.source == place and s.output in _MATTERS] for place in places
+        ]
+        words, rows = [_worth(each, what) for each in influences if each], []
+        for each in found:
+            ranges = []
+            for key, statistic in (("duration_s", each.duration), ("energy_wh", each.energy)):
+                unit = unit_for("total", key, outcome.provenance.data, typical=statistic.p50)
+                low, _, high = span(statistic, unit)
+                ranges.append("–" if not statistic.count else f"{low} to {high}{unit.suffix}")
+            name = each.causes[0] if column == "member" else label(each.causes)
+            rows.append((name, f"{100.0 * each.probability:.1f} %", percent(each.success), *ranges))
+        if rows:
+            yield PageSection(title, [*words, Table((column, *_COLUMNS), rows, note)])
 
 
 def _worth(found: list[Sensitivity], what: str) -> str:

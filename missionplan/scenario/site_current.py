@@ -9,7 +9,6 @@ The wind of a mission and, trial by trial, the leeway that it gives.
 """
 
 import math
-from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -223,13 +222,6 @@ def members_of(recorded: Current | None) -> tuple[tuple[str, float], ...]:
     if not isinstance(recorded, Ensemble):
         return ()
     return tuple(zip(recorded.names, recorded.weights.tolist(), strict=True))
-
-
-def under_each_member(recorded: Current | None) -> Iterator[tuple[str, float, Ensemble]]:
-    """Yield name and probability of each member, and the ensemble whose trials all sail in it."""
-    if isinstance(recorded, Ensemble):
-        for number, (name, weight) in enumerate(members_of(recorded)):
-            yield name, weight, replace(recorded, given=number)
 
 
 def members_drawn(recorded: Current | None, seed: int, trials: int) -> NDArray[np.intp] | None:

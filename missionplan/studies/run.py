@@ -9,12 +9,12 @@ from typing import TypedDict, Unpack
 from missionplan.errors import InputError, Problem, shown
 from missionplan.identity import digest_of_files, running_program
 from missionplan.mission import Mission, as_mission
-from missionplan.mission.views import ExplainedMission
 from missionplan.montecarlo.blocks import IN_THIS_PROCESS, Backend, Progress, Workers
 from missionplan.montecarlo.streams import BLOCK
 from missionplan.phases.currents import Current
+from missionplan.phases.ensemble import Ensemble
 from missionplan.results import Provenance
-from missionplan.scenario.site_current import members_of, under_each_member
+from missionplan.scenario.site_current import members_of
 from missionplan.studies.coverage import checked_ranges, probability_holds
 
 MAX_JOBS = 10_000
@@ -137,22 +137,22 @@ class Run:
             started,
         )
 
-    def under_explanations(self) -> Iterator[tuple[ExplainedMission, "Run"]]:
-        """Yield the mission under each explanation of each doubt, the others as they are, and the run of it."""
+    def under_explanations(self) -> Iterator[tuple[tuple[str, ...], float, "Run"]]:
+        """Yield effects and probability of each explanation of each doubt, the others as they are, and the run then."""
         for doubt in self.mission.doubts:
             for number in doubt.told_apart:
-                known = self.mission.knowing(doubt.place, number)
-                each = ExplainedMission(doubt.causes[number], doubt.probabilities[number], known)
-                yield each, replace(self, mission=known)
+                known = replace(self, mission=self.mission.knowing(doubt.place, number))
+                yield doubt.causes[number], doubt.probabilities[number], known
 
     def in_members(self, recorded: Current | None) -> Iterator[tuple[str, float, Current, "Run"]]:
         """Yield name and probability of each member of a current's ensemble, the current then, and the run in it.
 
         All members together take about as many trials as the run.
         """
-        trials = min(self.trials, max(self.trials // max(len(members_of(recorded)), 1), BLOCK))
-        for name, probability, sailed in under_each_member(recorded):
-            yield name, probability, sailed, replace(self, trials=trials)
+        if isinstance(recorded, Ensemble):
+            alone = replace(self, trials=min(self.trials, max(self.trials // len(recorded.names), BLOCK)))
+            for number, (name, probability) in enumerate(members_of(recorded)):
+                yield name, probability, replace(recorded, given=number), alone
 
     def provenance(
         self,

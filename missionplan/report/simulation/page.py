@@ -11,9 +11,8 @@ from missionplan.exporters.table import waypoints_csv
 from missionplan.montecarlo.statistics import wilson
 from missionplan.report.anchor.drawing import hold_section
 from missionplan.report.explained import (
+    doubt_sections,
     explanation_in_words,
-    explanation_sections,
-    member_sections,
     members_in_words,
     outcome_hangs_on_doubt,
 )
@@ -140,8 +139,7 @@ def page(outcome: Outcome) -> Page:
         write=lambda: [
             *failed_section(outcome),
             *requirements_section(outcome),
-            *explanation_sections(outcome),
-            *member_sections(outcome),
+            *doubt_sections(outcome),
             *attrition_section(outcome),
             *ends_section(outcome),
             *overdue_section(outcome),

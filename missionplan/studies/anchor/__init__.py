@@ -134,10 +134,10 @@ def _explained(
 ) -> Iterator[ExplainedAnchor]:
     """Dive with the anchor to build under each explanation, and seek the lightest that would do for it alone."""
     weight, line = sizing.to_build.wet_weight, sizing.line_length
-    for each, _ in run.under_explanations():
-        known = replace(dives, mission=each.mission)
+    for causes, probability, alone in run.under_explanations():
+        known = replace(dives, mission=alone.mission)
         needed = lightest_anchor(known.probabilities, demands, worst_case, line).weight if demands else None
-        yield ExplainedAnchor(each.causes, each.probability, known.probabilities(weight).good, needed)
+        yield ExplainedAnchor(causes, probability, known.probabilities(weight).good, needed)
 
 
 def _members(sizing: AnchorSizing, dives: AnchorTrials, run: Run) -> Iterator[MemberOutcome]:

@@ -261,10 +261,9 @@ def _deadline(scenario: SweepScenario) -> float:
 
 def _explained(task: PairedPlansTask, run: Run) -> Iterator[tuple[PairedPlansTask, float]]:
     """Yield the same plans under each explanation of the mission, with its probability."""
-    for each, _ in run.under_explanations():
-        known = replace(SweepScenario.of(each.mission), sigmas=(None,))
-        case = replace(AS_PLANNED, name=label(each.causes))
-        yield replace(task, scenario=known, cases=(case,)), each.probability
+    for causes, probability, alone in run.under_explanations():
+        known = replace(SweepScenario.of(alone.mission), sigmas=(None,))
+        yield replace(task, scenario=known, cases=(replace(AS_PLANNED, name=label(causes)),)), probability
 
 
 def _members(task: PairedPlansTask, run: Run) -> Iterator[tuple[PairedPlansTask, float]]:
@@ -272,8 +271,8 @@ def _members(task: PairedPlansTask, run: Run) -> Iterator[tuple[PairedPlansTask,
     means = task.scenario.means
     for name, probability, sailed, alone in run.in_members(means.recorded):
         given = replace(task.scenario, means=replace(means, recorded=sailed))
-        case = replace(AS_PLANNED, name=name)
-        yield replace(task, scenario=given, cases=(case,), trials=alone.trials), probability
+        cases = (replace(AS_PLANNED, name=name),)
+        yield replace(task, scenario=given, cases=cases, trials=alone.trials), probability
 
 
 def _cases(task: PairedPlansTask, share: float | None, run: Run, aim: LegAim | None = None) -> tuple[LegCase, ...]:

@@ -111,10 +111,10 @@ def _sampled(run: Run, scenario: SweepScenario) -> dict[int, CellTotals]:
 def _explained(sweep: Sweep, scenario: SweepScenario, run: Run) -> Iterator[ExplainedSweep]:
     """Run the middle curve under each explanation, with the same draws, beside what is recommended over all of them."""
     index = sweep.curves.index(sweep.middle)
-    for each, alone in run.under_explanations():
-        known = replace(SweepScenario.of(each.mission), sigmas=(scenario.sigmas[index],))
+    for causes, probability, alone in run.under_explanations():
+        known = replace(SweepScenario.of(alone.mission), sigmas=(scenario.sigmas[index],))
         curve = _curve(known, 0, _sampled(alone, known)[0], ())
-        yield ExplainedSweep(each.causes, each.probability, curve, curve.points[sweep.middle.recommended_index])
+        yield ExplainedSweep(causes, probability, curve, curve.points[sweep.middle.recommended_index])
 
 
 def _members(sweep: Sweep, scenario: SweepScenario, run: Run) -> Iterator[MemberOutcome]:

@@ -1,5 +1,7 @@
 """Ensembles of currents: each trial sails in one member, and the result says which spoils the mission."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import yaml
@@ -14,7 +16,7 @@ from missionplan.phases.recorded_currents import SeriesCurrent
 from missionplan.report.render import terminal_view
 from missionplan.report.simulation.page import answer
 from missionplan.scenario.scenario import Scenario
-from missionplan.scenario.site_current import recorded_current, under_each_member
+from missionplan.scenario.site_current import members_of, recorded_current
 from missionplan.studies.anchor import size_anchor
 from missionplan.studies.exploration import with_values
 from missionplan.studies.exploration.explore import explore
@@ -247,8 +249,8 @@ def test_a_mission_without_an_ensemble_names_no_member(tmp_path):
 
 def test_a_given_member_leaves_what_is_expected():
     whole = Ensemble.of([series(speed) for speed in SPEEDS], "abc", WEIGHTS)
-    (_, _, last) = under_each_member(whole)
-    assert last[:2] == ("c", pytest.approx(0.2))
+    last = replace(whole, given=2)
+    assert members_of(whole)[2] == ("c", pytest.approx(0.2))
     place = np.zeros((2, 3))
-    assert last[2].velocity(50.0, 0.0, place[:, :1])[0] == pytest.approx(whole.velocity(50.0, 0.0, place[:, :1])[0])
-    assert last[2].drawn(np.zeros(3)).velocity(50.0, 0.0, place)[0] == pytest.approx(1.2)
+    assert last.velocity(50.0, 0.0, place[:, :1])[0] == pytest.approx(whole.velocity(50.0, 0.0, place[:, :1])[0])
+    assert last.drawn(np.zeros(3)).velocity(50.0, 0.0, place)[0] == pytest.approx(1.2)
