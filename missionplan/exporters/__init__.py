@@ -136,6 +136,24 @@ def add(parent: Element, tag: str, text: str | None = None, **attributes: str) -
     return child
 
 
+Content = Mapping[str, "str | Content | Sequence[str | Content]"]
+"""What is inside an element: by tag a text, what is inside, or several; an attribute by ``@`` and its name, the
+element's own text beside attributes by the empty tag."""
+
+
+def filled(element: Element, content: Content) -> Element:
+    """Put into an element what is to be inside; characters that XML cannot hold are replaced."""
+    for tag, held in content.items():
+        for each in [held] if isinstance(held, str | Mapping) else held:
+            if not isinstance(each, str):
+                filled(ElementTree.SubElement(element, tag), each)
+            elif tag.startswith("@"):
+                element.set(tag[1:], mended(each))
+            else:
+                (ElementTree.SubElement(element, tag) if tag else element).text = mended(each)
+    return element
+
+
 def mended(text: str) -> str:
     """Replace what XML cannot hold."""
     return _NOT_IN_XML.sub("\ufffd", text)

@@ -3,9 +3,9 @@
 from collections.abc import Mapping
 from xml.etree import ElementTree
 
-from missionplan.exporters import Element, add, document, header, one_interval, zones_lost
+from missionplan.exporters import Content, document, filled, header, one_interval, zones_lost
 from missionplan.exporters.table import Cell, course_row, mooring_row, waypoint_row
-from missionplan.results.plan import Plan, PlannedTransit
+from missionplan.results.plan import Plan
 
 TITLE = "GPX 1.1"
 NEEDS_ORIGIN = True
@@ -28,41 +28,37 @@ def lost(plan: Plan) -> tuple[str, ...]:
 def files(plan: Plan, stem: str) -> dict[str, str | bytes]:
     """Write one file: a way point for each mooring, and a route for each transit."""
     root = ElementTree.Element("gpx", {"xmlns": _GPX, "xmlns:mp": _OWN, "version": "1.1", "creator": "missionplan"})
-    metadata = add(root, "metadata")
-    add(metadata, "name", plan.mission)
-    add(metadata, "desc", "\n".join(header(plan, TITLE, lost(plan))))
+    about = {"name": plan.mission, "desc": "\n".join(header(plan, TITLE, lost(plan)))}
     if plan.start is not None:
-        add(metadata, "time", plan.start.strftime("%Y-%m-%dT%H:%M:%SZ"))
-    for mooring in plan.moorings:
-        _point(root, "wpt", mooring_row(mooring))
+        about["time"] = plan.start.strftime("%Y-%m-%dT%H:%M:%SZ")
+    routes: list[Content] = []
     for number, transit in enumerate(plan.transits, start=1):
-        _route(root, number, transit)
-    return {f"{stem}.gpx": document(root)}
+        every = f"surfacing every {transit.surfacing.interval:g} m"
+        kept = {key: value for key, value in course_row(transit).items() if key.startswith(("surfacing", "time"))}
+        routes.append(
+            {
+                "name": transit.name,
+                "desc": f"at {transit.depth:g} m and {transit.speed:g} m/s, {every}",
+                "number": str(number),
+                "extensions": _extensions({**kept, "arrival_radius_m": transit.arrival_radius}),
+                "rtept": [_point(waypoint_row(transit, waypoint)) for waypoint in transit.waypoints],
+            }
+        )
+    places = [_point(mooring_row(mooring)) for mooring in plan.moorings]
+    return {f"{stem}.gpx": document(filled(root, {"metadata": about, "wpt": places, "rte": routes}))}
 
 
-def _route(root: Element, number: int, transit: PlannedTransit) -> None:
-    rule = transit.surfacing
-    route = add(root, "rte")
-    add(route, "name", transit.name)
-    add(route, "desc", f"at {transit.depth:g} m and {transit.speed:g} m/s, surfacing every {rule.interval:g} m")
-    add(route, "number", str(number))
-    kept = {key: value for key, value in course_row(transit).items() if key.startswith(("surfacing", "time"))}
-    _extensions(route, {**kept, "arrival_radius_m": transit.arrival_radius})
-    for waypoint in transit.waypoints:
-        _point(route, "rtept", waypoint_row(transit, waypoint))
-
-
-def _point(parent: Element, tag: str, row: dict[str, Cell]) -> None:
-    point = add(parent, tag, lat=f"{row['latitude_deg']:.8f}", lon=f"{row['longitude_deg']:.8f}")
+def _point(row: dict[str, Cell]) -> Content:
     depth = row["depth_m"]
-    if isinstance(depth, float):
-        add(point, "ele", f"{-depth:g}")
-    add(point, "name", str(row["name"]))
-    add(point, "type", str(row["kind"]))
-    _extensions(point, {key: value for key, value in row.items() if key not in _COLUMNS and value is not None})
+    return {
+        "@lat": f"{row['latitude_deg']:.8f}",
+        "@lon": f"{row['longitude_deg']:.8f}",
+        **({"ele": f"{-depth:g}"} if isinstance(depth, float) else {}),
+        "name": str(row["name"]),
+        "type": str(row["kind"]),
+        "extensions": _extensions({k: value for k, value in row.items() if k not in _COLUMNS and value is not None}),
+    }
 
 
-def _extensions(parent: Element, values: Mapping[str, Cell]) -> None:
-    extensions = add(parent, "extensions")
-    for key, value in values.items():
-        add(extensions, f"mp:{key}", f"{value:.10g}" if isinstance(value, float) else str(value))
+def _extensions(values: Mapping[str, Cell]) -> Content:
+    return {f"mp:{key}": f"{each:.10g}" if isinstance(each, float) else str(each) for key, each in values.items()}

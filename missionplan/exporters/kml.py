@@ -4,7 +4,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 from xml.etree import ElementTree
 
-from missionplan.exporters import Element, add, document, header, one_interval
+from missionplan.exporters import Content, document, filled, header, one_interval
 from missionplan.exporters.geojson import COLOURS, STYLES, WIDTHS, Feature, features, kml_colour
 from missionplan.results.plan import Plan
 
@@ -36,19 +36,25 @@ def kml(name: str, description: str, folders: Mapping[str, Sequence[Feature]]) -
 
     `folders`: as GeoJSON has them; a feature's kind gives its style, its properties are what viewers show of it.
     """
-    root = ElementTree.Element("kml", xmlns=NAMESPACE)
-    container = add(root, "Document")
-    add(container, "name", name)
-    add(container, "description", description)
     shown = {properties_of(each)["kind"] for folder in folders.values() for each in folder}
-    for kind in (kind for kind in COLOURS if kind in shown):
-        _style(container, kind)
-    for title, held in folders.items():
-        folder = add(container, "Folder")
-        add(folder, "name", title)
-        for each in held:
-            _placemark(folder, each)
-    return document(root)
+    styles: list[Content] = [
+        {
+            "@id": kind.replace(" ", "-"),
+            "IconStyle": {"color": kml_colour(kind), "scale": "0.7"},
+            "LineStyle": {
+                "color": kml_colour(kind, 102 if kind == "sample track" else 255),
+                "width": f"{WIDTHS.get(kind, 2.0):g}",
+            },
+            "PolyStyle": {"fill": "0"},
+        }
+        for kind in COLOURS
+        if kind in shown
+    ]
+    listed: list[Content] = [
+        {"name": title, "Placemark": [_placemark(each) for each in held]} for title, held in folders.items()
+    ]
+    content: Content = {"name": name, "description": description, "Style": styles, "Folder": listed}
+    return document(filled(ElementTree.Element("kml", xmlns=NAMESPACE), {"Document": content}))
 
 
 def properties_of(feature: Feature) -> dict[str, Any]:
@@ -56,61 +62,36 @@ def properties_of(feature: Feature) -> dict[str, Any]:
     return {key: value for key, value in feature["properties"].items() if key not in STYLES}
 
 
-def _style(container: Element, kind: str) -> None:
-    style = add(container, "Style", id=kind.replace(" ", "-"))
-    icon = add(style, "IconStyle")
-    add(icon, "color", kml_colour(kind))
-    add(icon, "scale", "0.7")
-    line = add(style, "LineStyle")
-    add(line, "color", kml_colour(kind, 102 if kind == "sample track" else 255))
-    add(line, "width", f"{WIDTHS.get(kind, 2.0):g}")
-    add(add(style, "PolyStyle"), "fill", "0")
-
-
-def _placemark(folder: Element, feature: Feature) -> None:
+def _placemark(feature: Feature) -> Content:
     data = properties_of(feature)
     kind, times = data["kind"], data.get("coordTimes", [data["time"]] if data.get("time") else [])
-    mark = add(folder, "Placemark")
-    add(mark, "name", data.pop("name"))
-    if len(times) == 1:
-        add(add(mark, "TimeStamp"), "when", times[0])
-    elif times:
-        span = add(mark, "TimeSpan")
-        add(span, "begin", times[0])
-        add(span, "end", times[-1])
-    add(mark, "styleUrl", f"#{kind.replace(' ', '-')}")
+    mark: dict[str, Any] = {"name": data.pop("name")}
+    if times:
+        mark |= {"TimeSpan": {"begin": times[0], "end": times[-1]}} if times[1:] else {"TimeStamp": {"when": times[0]}}
+    mark["styleUrl"] = f"#{kind.replace(' ', '-')}"
     data["kind"] = data.pop("waypoint", kind)
     if isinstance(data.get("elapsed_s"), list):
         data |= {"begin_s": data["elapsed_s"][0], "end_s": data["elapsed_s"][-1]}
         data = {key: value for key, value in data.items() if key not in _LISTED}
     known = {key: value for key, value in data.items() if value is not None}
     if known:
-        extended = add(mark, "ExtendedData")
-        for key, value in known.items():
-            text = f"{value:.10g}" if isinstance(value, float) else str(value)
-            add(add(extended, "Data", name=key), "value", text)
-    _geometry(mark, feature["geometry"])
+        texts = {key: f"{value:.10g}" if isinstance(value, float) else str(value) for key, value in known.items()}
+        mark["ExtendedData"] = {"Data": [{"@name": key, "value": text} for key, text in texts.items()]}
+    shape, held = feature["geometry"]["type"], feature["geometry"]["coordinates"]
+    if not shape.startswith("Multi"):
+        return {**mark, shape: _geometry(shape, held)}
+    part = shape.removeprefix("Multi")
+    return {**mark, "MultiGeometry": {part: [_geometry(part, each) for each in held]}}
 
 
-def _geometry(parent: Element, geometry: Any) -> None:
-    """Add a geometry; one of several parts as these."""
-    kind, held = geometry["type"], geometry["coordinates"]
-    if kind.startswith("Multi"):
-        several = add(parent, "MultiGeometry")
-        for part in held:
-            _geometry(several, {"type": kind.removeprefix("Multi"), "coordinates": part})
-        return
-    drawn = add(parent, kind)
+def _geometry(kind: str, held: Any) -> Content:
+    """What is inside a geometry of one part."""
     if kind == "Point":
-        add(drawn, "coordinates", _coordinates([held]))
-        return
-    add(drawn, "tessellate", "1")
+        return {"coordinates": _coordinates([held])}
     if kind == "LineString":
-        add(drawn, "coordinates", _coordinates(held))
-        return
-    for number, ring in enumerate(held):
-        boundary = add(drawn, "innerBoundaryIs" if number else "outerBoundaryIs")
-        add(add(boundary, "LinearRing"), "coordinates", _coordinates(ring))
+        return {"tessellate": "1", "coordinates": _coordinates(held)}
+    outer, *inner = ({"LinearRing": {"coordinates": _coordinates(ring)}} for ring in held)
+    return {"tessellate": "1", "outerBoundaryIs": outer, "innerBoundaryIs": inner}
 
 
 def _coordinates(points: Iterable[Iterable[float]]) -> str:

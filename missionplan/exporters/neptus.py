@@ -14,15 +14,16 @@ import io
 import math
 import zipfile
 from collections.abc import Mapping
+from itertools import pairwise
 from xml.etree import ElementTree
 
 import numpy as np
 
 from missionplan.exporters import (
     FIXED_POINTS,
-    Element,
-    add,
+    Content,
     document,
+    filled,
     header,
     no_battery,
     no_correction,
@@ -33,7 +34,6 @@ from missionplan.exporters import (
 )
 from missionplan.phases.transit.plan import Execution
 from missionplan.results.plan import Plan, PlannedTransit
-from missionplan.results.plan_places import Waypoint
 from missionplan.results.plan_states import GuardKind
 
 TITLE = "mission for Neptus"
@@ -87,96 +87,64 @@ def files(plan: Plan, stem: str) -> dict[str, str | bytes]:
 
 
 def _mission(plan: Plan, stem: str) -> str:
-    root = ElementTree.Element("mission-def")
-    about, lines = add(root, "header"), header(plan, TITLE, lost(plan))
-    add(about, "id", token(1, stem))
-    add(about, "name", plan.mission or stem)
-    add(about, "type", "Test")
-    add(about, "description", lines[1])
-    notes = add(about, "notes")
-    for line in lines:
-        add(notes, "note", line)
-    definitions = add(root, "definitions")
-    vehicle = add(add(definitions, "vehicles"), "vehicle")
-    add(vehicle, "id", VEHICLE)
-    add(vehicle, "name", VEHICLE)
-    add(definitions, "maps")
-    add(definitions, "checklists")
-    home = add(definitions, "home-reference")
-    add(home, "id", "home")
-    add(home, "name", "home")
-    origin = add(home, "origin")
-    _place(origin, *(plan.origin or ()))
-    add(origin, "depth", "0.0")
-    body = add(root, "body")
-    for number, transit in enumerate(plan.transits, start=1):
-        _plan(body, number, transit)
-    return document(root)
+    lines = header(plan, TITLE, lost(plan))
+    content: Content = {
+        "header": {
+            "id": token(1, stem),
+            "name": plan.mission or stem,
+            "type": "Test",
+            "description": lines[1],
+            "notes": {"note": lines},
+        },
+        "definitions": {
+            "vehicles": {"vehicle": {"id": VEHICLE, "name": VEHICLE}},
+            "maps": {},
+            "checklists": {},
+            "home-reference": {
+                "id": "home",
+                "name": "home",
+                "origin": {**_place(*(plan.origin or ())), "depth": "0.0"},
+            },
+        },
+        "body": {"plan": [_plan(number, transit) for number, transit in enumerate(plan.transits, start=1)]},
+    }
+    return document(filled(ElementTree.Element("mission-def"), content))
 
 
-def _plan(body: Element, number: int, transit: PlannedTransit) -> None:
-    graph = add(add(body, "plan", id=token(number, transit.name), vehicle=VEHICLE), "graph")
+def _plan(number: int, transit: PlannedTransit) -> Content:
+    nodes: list[Content] = []
     names: list[str] = []
-    for leg_number, leg in enumerate(transit.sequence, start=1):
-        names += [f"Goto{leg_number}", f"PopUp{leg_number}"]
-        _goto(_node(graph, names[-2], leg.time_out, first=leg_number == 1), transit, leg)
-        surfaced = 2 * _surfaced(transit) + 60  # the ascent is in it
-        _pop_up(_node(graph, names[-1], surfaced, first=False), transit, leg)
-    for index in range(len(names) - 1):
-        edge = add(graph, "edge")
-        add(edge, "id", f"{names[index]}-{names[index + 1]}")
-        add(edge, "source", names[index])
-        add(edge, "target", names[index + 1])
-        add(edge, "guard", "ManeuverIsDone")
+    radius, surfaced = f"{transit.arrival_radius:g}", math.ceil(transit.surfacing.surface_time_p99)
+    speed: Content = {"@type": "float", "@unit": "MPS", "": f"{transit.speed:.4g}"}
+    for place, leg in enumerate(transit.sequence, start=1):
+        coordinate: Content = {**_place(leg.latitude, leg.longitude), "height": "0.0"}
+        depth: Content = {"z": f"{transit.depth:g}", "zunits": "DEPTH"}
+        point: Content = {"id": leg.name, "name": leg.name, "coordinate": coordinate, **depth}
+        way: Content = {
+            "@kind": "automatic",
+            "finalPoint": {"@type": "pointType", "point": point, "radiusTolerance": radius},
+        }
+        goto: Content = {**way, "speed": speed, "trajectoryTolerance": {"radiusTolerance": radius}}
+        # up where the vehicle is (CurrPos), and adrift until a fix comes: with WaitAtSurface none would end it
+        flags: Content = {"@CurrPos": "true", "@WaitAtSurface": "false"}
+        pop_up: Content = {**way, "duration": str(surfaced), "speed": speed, "flags": flags}
+        names += [f"Goto{place}", f"PopUp{place}"]
+        nodes += [
+            _node(names[-2], leg.time_out, {"Goto": goto}, first=place == 1),
+            _node(names[-1], 2 * surfaced + 60, {"PopUp": pop_up}, first=False),  # the ascent is in it
+        ]
+    edges: list[Content] = [
+        {"id": f"{one}-{other}", "source": one, "target": other, "guard": "ManeuverIsDone"}
+        for one, other in pairwise(names)
+    ]
+    return {"@id": token(number, transit.name), "@vehicle": VEHICLE, "graph": {"node": nodes, "edge": edges}}
 
 
-def _node(graph: Element, name: str, longest: float, *, first: bool) -> Element:
-    node = add(graph, "node", start="true" if first else "false", xPos="0", yPos="0")
-    add(node, "id", name)
-    manoeuvre = add(node, "maneuver")
-    add(manoeuvre, "minTime", "0")
-    add(manoeuvre, "maxTime", f"{longest:.0f}")
-    return manoeuvre
+def _node(name: str, longest: float, manoeuvre: Content, *, first: bool) -> Content:
+    times: Content = {"minTime": "0", "maxTime": f"{longest:.0f}"}
+    start = "true" if first else "false"
+    return {"@start": start, "@xPos": "0", "@yPos": "0", "id": name, "maneuver": {**times, **manoeuvre}}
 
 
-def _goto(manoeuvre: Element, transit: PlannedTransit, leg: Waypoint) -> None:
-    goto = add(manoeuvre, "Goto", kind="automatic")
-    _final_point(goto, transit, leg)
-    _speed(goto, transit)
-    add(add(goto, "trajectoryTolerance"), "radiusTolerance", f"{transit.arrival_radius:g}")
-
-
-def _pop_up(manoeuvre: Element, transit: PlannedTransit, leg: Waypoint) -> None:
-    """Surface where the vehicle is (CurrPos) and drift until a fix comes: with WaitAtSurface none would end it."""
-    pop_up = add(manoeuvre, "PopUp", kind="automatic")
-    _final_point(pop_up, transit, leg)
-    add(pop_up, "duration", str(_surfaced(transit)))
-    _speed(pop_up, transit)
-    add(pop_up, "flags", CurrPos="true", WaitAtSurface="false")
-
-
-def _surfaced(transit: PlannedTransit) -> int:
-    """Time at the surface, which no fix ends: that of 99 % of the fixes, whole seconds [s]."""
-    return math.ceil(transit.surfacing.surface_time_p99)
-
-
-def _final_point(manoeuvre: Element, transit: PlannedTransit, leg: Waypoint) -> None:
-    final = add(manoeuvre, "finalPoint", type="pointType")
-    point = add(final, "point")
-    add(point, "id", leg.name)
-    add(point, "name", leg.name)
-    coordinate = add(point, "coordinate")
-    _place(coordinate, leg.latitude, leg.longitude)
-    add(coordinate, "height", "0.0")
-    add(point, "z", f"{transit.depth:g}")
-    add(point, "zunits", "DEPTH")
-    add(final, "radiusTolerance", f"{transit.arrival_radius:g}")
-
-
-def _place(parent: Element, latitude: float, longitude: float) -> None:
-    add(parent, "latitude", f"{math.degrees(latitude):.8f}")
-    add(parent, "longitude", f"{math.degrees(longitude):.8f}")
-
-
-def _speed(manoeuvre: Element, transit: PlannedTransit) -> None:
-    add(manoeuvre, "speed", f"{transit.speed:.4g}", type="float", unit="MPS")
+def _place(latitude: float, longitude: float) -> dict[str, str]:
+    return {"latitude": f"{math.degrees(latitude):.8f}", "longitude": f"{math.degrees(longitude):.8f}"}
