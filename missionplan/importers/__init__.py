@@ -149,7 +149,7 @@ def _of_one_deployment(track: Track, begun: str | None) -> Track:
     """
     spans = track.deployments()
     if len(spans) < 2 and begun is None:
-        return track
+        return track.within(*spans[0]) if spans else track  # without single readings of another year
     parts = {f"{datetime.fromtimestamp(part.fixes.t[0], UTC):%Y-%m-%d}": part for part in
              (track.within(*span) for span in spans)}  # fmt: skip
     if begun is not None and begun in parts:

@@ -152,7 +152,6 @@ def _with_places(positions: T, latitude: Array, longitude: Array) -> T:
 WRONG = 1.5
 """Difference from the model beyond which a vehicle's declination is called wrong [deg]: the model's own error is about
 0.5 deg, vehicles round to whole degrees."""
-_INSTALL = f"{how_to_install('magnetic')} to check it"
 
 
 _MODELS = ("WMM_2010", "WMM_2015v2", "WMM_2020", "WMM_2025")
@@ -180,6 +179,11 @@ def model_declination(latitude: float, longitude: float, t: float) -> float | No
     return float(found.d)
 
 
+def _no_model() -> str:
+    known = find_spec("pygeomag") is not None
+    return "no model is of that date" if known else f"{how_to_install('magnetic')} to check and add it"
+
+
 @lru_cache(maxsize=4)
 def _model(name: str) -> Any:
     return import_module("pygeomag").GeoMag(coefficients_file=f"wmm/{name}.COF")
@@ -198,7 +202,7 @@ def with_declination(track: Track) -> Track:
     told = track.declination.values[track.declination.values != 0.0]  # but for the zeros before it knew one
     own = float(np.median(told)) if len(told) else 0.0
     if model is None:
-        notice = f"the vehicle's declination, {own:.1f} deg, was not checked: {_INSTALL}"
+        notice = f"the vehicle's declination, {own:.1f} deg, was not checked: {_no_model()}"
     elif abs(own - model) > WRONG:
         notice = (
             f"the vehicle's declination is {own:.1f} deg, but the World Magnetic Model has {model:.1f} deg there and "
@@ -213,7 +217,7 @@ def _without_own(track: Track, t: float, model: float | None) -> Track:
     if track.heading_from != "magnetic":
         return track
     if model is None:
-        notice = f"no declination is logged: headings are taken as from true north ({_INSTALL}, and to add it)"
+        notice = f"no declination is logged: headings are taken as from true north ({_no_model()})"
         return replace(track, notices=(*track.notices, notice))
     notice = f"no declination is logged: that of the World Magnetic Model, {model:.1f} deg, is used"
     return replace(track, declination=Series(np.array([t]), np.array([model])), notices=(*track.notices, notice))

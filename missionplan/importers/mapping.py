@@ -15,7 +15,7 @@ import pandas as pd
 from missionplan.arrays import Array, without_nines
 from missionplan.errors import InputError, Problem, did_you_mean, shown
 from missionplan.mission.documents import load_document
-from missionplan.mission.units import QuantityError, parse_number_with_unit
+from missionplan.mission.units import FACTORS, QuantityError, parse_number_with_unit
 from missionplan.scenario.currents.attributes import factor
 
 QUANTITIES = {
@@ -46,6 +46,8 @@ QUANTITIES = {
 """Quantities that a name can be given for, and the unit where none is."""
 ASSIGNMENT = re.compile(rf"({'|'.join(QUANTITIES)})=(.+)", re.DOTALL)
 _UNIT = re.compile(r"(.*?)\s*\[([^\[\]]*)\]")
+_BEHIND = re.compile(r"\s*[(\[]\s*([^()\[\]]*?)\s*[)\]]\s*$")
+_WORD = re.compile(r"[^\W\d]\D*(-?\d)?|°")
 
 
 @dataclass(frozen=True)
@@ -88,6 +90,24 @@ def mapped(quantity: str, name: str) -> MappedName:
     return MappedName(matched[1].strip(), matched[2].strip())
 
 
+def own_unit(asked: MappedName, quantity: str, heading: str, below: str) -> str:
+    """Return the unit of a column: the user's, else one that its heading ends with or the cell below it holds."""
+    wanted = "rad" if QUANTITIES[quantity] == "deg" else QUANTITIES[quantity]
+    if asked.unit != QUANTITIES[quantity] or wanted in ("", "iso"):
+        return asked.unit
+    behind, ending = _BEHIND.search(heading), heading.rpartition("_")[2]
+    stated = [behind[1] if behind else "", ending if ending in FACTORS[wanted] else "", below.strip()]
+    for each in (each for each in stated if _WORD.fullmatch(each)):
+        if (wanted == "rad" and each.lower() in DDMM) or factor(each, wanted) or (wanted == "m" and factor(each, "Pa")):
+            return each
+    return asked.unit
+
+
+def without_unit(heading: str) -> str:
+    """Return the name of a column without a unit in brackets behind it."""
+    return _BEHIND.sub("", heading).strip()
+
+
 def _split(entry: str) -> list[str]:
     """Split `lat=Latitude[deg] time=UTC[iso]` before each quantity."""
     starts = [found.start() for found in re.finditer(rf"(?:^|(?<=\s))(?:{'|'.join(QUANTITIES)})=", entry)]
@@ -118,11 +138,9 @@ else:
 
 PASCALS_A_METRE = 1.0e4
 """Pressure over depth in the sea, to 1 %."""
-_EPOCH = {"epoch": 1.0, "unix": 1.0, "s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "days": 86400.0}
-_MATLAB_1970 = 719529.0
-"""Matlab's day number of 1970-01-01."""
-
-
+_EPOCH = {"epoch": 1.0, "unix": 1.0, "s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
+_DAYS = {"days": 0.0, "matlab": 719529.0, "excel": 25569.0, "mjd": 40587.0, "jd": 2440587.5}
+"""Day numbers of 1970-01-01."""
 DDMM = ("ddmm", "ddmm.mmm", "dm")
 """What degrees and minutes in one number are called."""
 
@@ -225,7 +243,8 @@ def times(words: Words, unit: str) -> Array:
     Raises InputError when it is none of these.
 
     `unit`: ``iso``; ``epoch`` or ``s``, ``ms``, ``us``, ``ns`` since 1970; ``days`` since 1970; ``doy:2026`` (day of
-    that year, 1.0 at its first midnight); ``matlab`` (days since year 0); or a pattern such as ``%d.%m.%Y %H:%M:%S``.
+    that year, 1.0 at its first midnight); ``matlab`` (days since year 0), ``excel``, ``mjd``, ``jd``; or a
+    pattern such as ``%d.%m.%Y %H:%M:%S``.
     """
     kind = unit.lower()
     if "%" in unit:
@@ -235,15 +254,16 @@ def times(words: Words, unit: str) -> Array:
             found = np.where(np.isnan(found), parts, found)
         return found
     if kind in ("iso", "iso8601", "utc", ""):
-        return _stamps(pd.to_datetime(words.str.strip(), format="ISO8601", errors="coerce", utc=True))
+        words = words.str.strip().str.replace(",", ".")
+        return _stamps(pd.to_datetime(words, format="ISO8601", errors="coerce", utc=True))
     if kind in _EPOCH:
         return plain_numbers(words) * _EPOCH[kind]
     if re.fullmatch(r"doy:\d{4}", kind):
         begun = datetime(int(kind[4:]), 1, 1, tzinfo=UTC).timestamp()
         return begun + (plain_numbers(words) - 1.0) * 86400.0
-    if kind == "matlab":
-        return (plain_numbers(words) - _MATLAB_1970) * 86400.0
-    expected = "iso, epoch, ms, us, ns, days, doy:2026, matlab or a pattern such as %d.%m.%Y %H:%M:%S"
+    if kind in _DAYS:
+        return (plain_numbers(words) - _DAYS[kind]) * 86400.0
+    expected = "iso, epoch, ms, us, ns, days, doy:2026, matlab, excel or a pattern such as %d.%m.%Y %H:%M:%S"
     raise InputError([Problem(f"time in {shown(unit)}, expected {expected}", key="map")])
 
 

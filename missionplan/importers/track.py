@@ -230,6 +230,10 @@ class Track:
 
 _GREATEST = {"depth": 12_000.0, "pitch": 180.0, "heading": 360.0, "speed": 12.0, "declination": 180.0}
 """Size of a quantity beyond which it is none, but a value that stands for none, in the track's units."""
+_YEAR = 31_556_952.0
+_FIRST, _LAST = 10.0 * _YEAR, 100.0 * _YEAR
+"""Satellites of navigation have told times since 1980; what counts days of spreadsheets from 1970 is of 2070 and later
+[s since 1970]."""
 _MOST = 0.5
 """Share of such readings from which on the unit is another one."""
 
@@ -237,10 +241,16 @@ _MOST = 0.5
 def possible(track: Track) -> Track:
     """Leave out readings that no vehicle has, and say how many.
 
-    Raises InputError where most of a quantity's are such: they are in another unit.
+    Raises InputError where most of a quantity's are such, or fixes are yet to come: they are in another unit.
     """
+    hint = "are they in another unit than said?"
     kept: dict[str, Any] = {}
     notices = []
+    if len(track.fixes) and not _FIRST < track.fixes.t[0] <= track.fixes.t[-1] < _LAST:
+        told = f"the times of its fixes are of the years from {1970.0 + track.fixes.t[0] / _YEAR:.0f} on"
+        if track.fixes.t[-1] >= _LAST:
+            raise InputError([Problem(told, hint=hint)])
+        notices.append(f"{told}: they have no date that tides or the magnetic field could be known by")
     for name, greatest in _GREATEST.items():
         read: Series = getattr(track, name)
         wrong = np.abs(read.values) > greatest
@@ -248,7 +258,7 @@ def possible(track: Track) -> Track:
             told = f"{wrong.sum()} of {len(read)} readings of the {name} are impossible, such as"
             told = f"{told} {read.values[wrong][0]:.6g}"
             if wrong.mean() > _MOST:
-                raise InputError([Problem(told, hint="are they in another unit than said?")])
+                raise InputError([Problem(told, hint=hint)])
             kept[name] = Series(read.t[~wrong], read.values[~wrong])
             notices.append(f"{told}: left out")
     return replace(track, **kept, notices=(*track.notices, *notices))
@@ -263,8 +273,12 @@ _SINGLE = 4
 
 
 def clock_jumps(t: Array) -> list[Break]:
-    """Find where the times of a file step back; rows that are in no order of time, or the last first, tell nothing."""
-    back = np.flatnonzero(np.diff(t) < -_BACKWARDS)
+    """Find where the times of a file step back, and stay there.
+
+    Rows that are in no order of time, or the last first, tell nothing.
+    """
+    steps = np.flatnonzero(np.diff(t) < -_BACKWARDS)
+    back = [k for k in steps if np.median(t[k + 1 : k + 1 + _SINGLE]) < t[k]]
     if len(back) > _IN_NO_ORDER * len(t):
         return []
     return [

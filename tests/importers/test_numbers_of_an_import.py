@@ -332,6 +332,7 @@ def test_a_clock_that_steps_back_more_than_a_second_is_told_unless_the_rows_are_
     (single,) = clock_jumps(np.where(np.arange(100) == 50, 9e9, np.arange(100.0)))
     assert (single.t, single.until) == (51.0, -np.inf)
     assert not clock_jumps(np.where(np.arange(100) == 50, 48.5, np.arange(100.0)))
+    assert not clock_jumps(np.where(np.arange(100) == 50, 8.0, np.arange(100.0)))
     assert not clock_jumps(np.arange(100.0)[::-1])
     assert not clock_jumps(np.random.default_rng(1).permutation(100.0 * np.arange(100.0)))
 

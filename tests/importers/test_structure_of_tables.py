@@ -209,3 +209,55 @@ def test_dataflash_logs_of_two_autopilots_are_asked_for_or_found_out(tmp_path):
     with pytest.raises(InputError, match=r"003E00373136511838353731 \(1 file\), 003E00373136511838353732"):
         import_logs([one, two])
     assert import_logs([one, two], vehicle="003E00373136511838353732").counted == 3
+
+
+MAP = ["time=time", "lat=lat", "lon=lon", "dr_lat=dr_lat", "dr_lon=dr_lon", "depth=depth"]
+
+
+def table(path, heading="depth", size=1.0, zero=0.0, day=None, before=""):
+    """Write a voyage's fixes and dead reckoning; depths in a unit, times by ISO 8601 or as days since some zero."""
+    rows = [f"time,lat,lon,dr_lat,dr_lon,{heading}", *before.splitlines()]
+    track = SEA_VOYAGE.track
+    at = np.union1d(track.fixes.t, track.reckoned.t)
+    fixed, own = np.searchsorted(track.fixes.t, at), np.searchsorted(track.reckoned.t, at)
+    for t, k, j in zip(at, fixed, own, strict=True):
+        is_fix, is_own = t in track.fixes.t, t in track.reckoned.t
+        fix = (track.fixes.latitude[k], track.fixes.longitude[k]) if is_fix else ("", "")
+        place = (track.reckoned.latitude[j], track.reckoned.longitude[j]) if is_own else ("", "")
+        when = f"{datetime.fromtimestamp(t, UTC):%Y-%m-%dT%H:%M:%S.%f}Z" if day is None else f"{t / day + zero:.10f}"
+        rows.append(",".join(map(str, (when, *fix, *place, float(track.depth.at(np.array([t]))[0]) / size))))
+    path.write_text("\n".join(rows) + "\n")
+    return path
+
+
+def test_a_unit_behind_a_heading_or_in_a_row_below_is_the_columns(tmp_path):
+    plain = import_logs([table(tmp_path / "a.csv")], names=MAP)
+    for heading, before in [("depth (ft)", ""), ("depth [ft]", ""), ("depth", "UTC,deg,deg,deg,deg,ft")]:
+        path = table(tmp_path / "b.csv", heading, 0.3048, before=before)
+        agree(plain, import_logs([path], names=[*MAP[:-1], f"depth={heading}"]))
+        agree(plain, import_logs([path], names=MAP))
+    path = table(tmp_path / "b.csv", "depth_ft", 0.3048)
+    agree(plain, import_logs([path], names=[*MAP[:-1], "depth=depth_ft"]))
+
+
+def test_days_of_spreadsheets_are_read_and_other_ages_named(tmp_path):
+    plain = import_logs([table(tmp_path / "a.csv")], names=MAP)
+    path = table(tmp_path / "b.csv", zero=25569.0, day=86400.0)
+    agree(plain, import_logs([path], names=["time=time[excel]", *MAP[1:]]))
+    with pytest.raises(InputError, match=r"its fixes are of the years from 209\d on .are they in another unit"):
+        import_logs([path], names=["time=time[days]", *MAP[1:]])
+    with pytest.raises(InputError, match=r"its fixes are of the years from 5\d{4} on"):
+        import_logs([table(tmp_path / "c.csv", day=1e-3)], names=["time=time[epoch]", *MAP[1:]])
+    path = table(tmp_path / "c.csv", zero=-SEA_VOYAGE.track.fixes.t[0], day=1.0)
+    told = import_logs([path], names=["time=time[s]", *MAP[1:]]).provenance.notices
+    assert any("from 1970 on: they have no date" in each for each in told)
+
+
+def test_one_row_of_another_year_is_no_jump_of_the_clock(tmp_path):
+    """The sizes of a glider's sensors stand where it begins, and again where two of its tables are joined."""
+    path = table(tmp_path / "a.csv", day=1.0)
+    names = ["time=time[epoch]", *MAP[1:]]
+    plain = import_logs([path], names=names)
+    lines = path.read_text().splitlines()
+    (tmp_path / "b.csv").write_text("\n".join([lines[0], "8,8,8,8,8,4", *lines[1:50], "8,8,8,8,8,4", *lines[50:]]))
+    agree(plain, import_logs([tmp_path / "b.csv"], names=names))

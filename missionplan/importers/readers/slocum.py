@@ -46,7 +46,8 @@ SHORTEST = 1800.0
 
 def recognises(path: Path, head: bytes) -> bool:
     """Whether a file is one of a Slocum's, by its name or its first line."""
-    return path.suffix[1:].lower() in (*_FLIGHT, *_SCIENCE) or head.startswith(b"dbd_label:")
+    is_text = b"DBD_ASC" in head[:80]  # a table of dbd2asc, for `--map`
+    return not is_text and (path.suffix[1:].lower() in (*_FLIGHT, *_SCIENCE) or head.startswith(b"dbd_label:"))
 
 
 def identity(path: Path) -> Identity:

@@ -22,7 +22,7 @@ import pandas as pd
 
 from missionplan.arrays import Array
 from missionplan.importers.importer import DAMAGED, ColumnStore, Identity, Importer, ReadOptions, SourceLog
-from missionplan.importers.mapping import MappedName, angles, mapped, plain_numbers, times
+from missionplan.importers.mapping import MappedName, angles, mapped, plain_numbers, times, without_unit
 from missionplan.importers.readers import track
 from missionplan.importers.readers.track import read_header, text_chunks
 from missionplan.importers.track import Positions, Series, Track, fixes, positions, series
@@ -151,13 +151,12 @@ _IVER_COLUMNS = {
 }
 """Columns without the units that stand in brackets behind their names, and the units where none do."""
 _IVER_NEEDED = {"latitude", "longitude", "time", "date", "dfs depth"}
-_BRACKETS = re.compile(r"\s*\(([^()]*)\)\s*$")
 _IVER_NAME = re.compile(r"(iver\d*-\d+|ecomapper[-_]?\d+)", re.IGNORECASE)
 
 
 def recognises_iver(path: Path, head: bytes) -> bool:
     """Whether a file's first line has the columns of such a log."""
-    return {_BRACKETS.sub("", word) for word in _first_line(head)} >= _IVER_NEEDED
+    return {without_unit(word) for word in _first_line(head)} >= _IVER_NEEDED
 
 
 def identity_iver(path: Path) -> Identity:
@@ -168,14 +167,12 @@ def identity_iver(path: Path) -> Identity:
 
 def read_iver(files: Sequence[Path], options: ReadOptions, log: SourceLog) -> Track:
     """Read logs as one track."""
-    there = {_BRACKETS.sub("", name).lower(): name for name in read_header(files[0])}
+    header = {name.lower() for name in read_header(files[0])}
     names = {}
     for quantity, name in _IVER_COLUMNS.items():
-        usual = mapped(quantity, name)
-        own = [there.get(part.lower(), "") for part in usual.name.split("+")]
-        if all(own):
-            unit = _BRACKETS.search(own[0])
-            names[quantity] = MappedName("+".join(own), unit[1].lower() if unit else usual.unit)
+        usual, there = mapped(quantity, name), {without_unit(each) for each in header}
+        if set(usual.name.lower().split("+")) <= there:
+            names[quantity] = usual if usual.name.lower() in header else mapped(quantity, usual.name)
     date, notices = _date_form(files, names["time"].name.split("+")[0])
     names["time"] = MappedName(names["time"].name, date if date == "iso" else f"{date} %H:%M:%S")
     found = track.read(files, replace(options, names={**names, **options.names}), log)

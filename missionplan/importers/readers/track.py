@@ -29,7 +29,17 @@ from missionplan.importers.importer import (
     head_of,
     unpacked,
 )
-from missionplan.importers.mapping import QUANTITIES, MappedName, angles, check_mapping, flags, quantities, times
+from missionplan.importers.mapping import (
+    QUANTITIES,
+    MappedName,
+    angles,
+    check_mapping,
+    flags,
+    own_unit,
+    quantities,
+    times,
+    without_unit,
+)
 from missionplan.importers.readers.netcdf import MAGIC, Variables, mapped_parts, opened
 from missionplan.importers.readers.receivers import FIX_COLUMNS, add_gpx, add_nmea, is_gpx, is_nmea
 from missionplan.importers.track import Fixes, Positions, Series, Track, fixes, positions, series
@@ -74,6 +84,14 @@ def _parts(path: Path, head: bytes, names: Mapping[str, MappedName]) -> Iterator
         return
     wanted = [each.name for each in columns.values()]
     for number, chunk in enumerate(text_chunks(path, wanted)):
+        if number == 0 and len(chunk):
+            heading = {asked: name for name, asked in _header(path, wanted)[2].items()}
+            columns = {
+                quantity: MappedName(
+                    each.name, own_unit(each, quantity, heading.get(each.name, ""), chunk[each.name][0])
+                )
+                for quantity, each in columns.items()
+            }
         found = _of_text(chunk, columns)
         if "time" in columns:
             _check_times(chunk[columns["time"].name], found["t"], columns["time"], is_first=number == 0)
@@ -187,8 +205,7 @@ def text_chunks(path: Path, wanted: Sequence[str]) -> Iterator[pd.DataFrame]:
     A wanted name of the form `Date+Time` is several, joined by a space. Raises ValueError when no line has all these
     names.
     """
-    columns = list(dict.fromkeys(part for name in wanted for part in _names_in(name)))
-    line, separator, there = _header(path, columns)
+    line, separator, there = _header(path, wanted)
     with _opened(path) as stream:
         table = pd.read_csv(
             stream, sep=separator, skiprows=line, usecols=lambda name: name.strip() in there, dtype=str,
@@ -230,14 +247,15 @@ def _cells(line: str, separator: str) -> list[str]:
         return []
 
 
-def _header(path: Path, columns: Sequence[str]) -> tuple[int, str, dict[str, str]]:
-    """Line of the header, from 0, its separator, and the names of all columns there, in any case, to these."""
+def _header(path: Path, wanted: Sequence[str]) -> tuple[int, str, dict[str, str]]:
+    """Line of the header, from 0, its separator, and the headings of all columns there, in any case, to these names."""
+    columns = list(dict.fromkeys(part for name in wanted for part in _names_in(name)))
     seen: list[str] = []
     with _opened(path) as stream:
         for number, line in zip(range(_PREFACE), stream, strict=False):
             for separator in (*_SEPARATORS, r"\s+"):
                 names = [cell.strip() for cell in _cells(line, separator)]
-                by_case = {name.lower(): name for name in reversed(names)}
+                by_case = {each(name).lower(): name for each in (without_unit, str) for name in reversed(names)}
                 there = {name if name in names else by_case.get(name.lower(), ""): name for name in columns}
                 if "" not in there:
                     return number, separator, there
