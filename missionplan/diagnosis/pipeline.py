@@ -224,6 +224,7 @@ def judge(bound: DataKind, found: PipelineResult) -> Judgement:
         not_constant,
         bound.suspect_labels(found.selection),
         found.reading.none_of_these,
+        found.reading.nothing,
         interval_coverage(_held_out_scores(found)),
     )
 

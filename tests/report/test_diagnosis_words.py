@@ -32,7 +32,7 @@ def ranked(*causes: str, score: float = 4.0, posterior: float | None = 0.75) -> 
 
 
 def diagnosed(best: RankedSet | None, **given: Any) -> Any:
-    usual = {"kind": "transit", "best": best, "causes": best.causes if best else (), "ranking": (best,) if best else (), "none_of_these": 0.123,
+    usual = {"kind": "transit", "best": best, "causes": best.causes if best else (), "ranking": (best,) if best else (), "none_of_these": 0.123, "nothing": 0.8,
              "verdict": "explained", "coverage": None, "scores": (), "indistinguishable": (), "untestable": {}}  # fmt: skip
     return SimpleNamespace(**{**usual, **given})
 
@@ -54,7 +54,8 @@ def diagnosed(best: RankedSet | None, **given: Any) -> Any:
         (
             diagnosed(ranked("drag-bias", score=1.1), causes=()),
             "Of the explanations tried none is claimed: the likeliest, drag bias, has a probability of 75.0 %, and that "
-            "there is some cause needs 95 %. In doubt, that none of these is behind it has a probability of 12.3 %.",
+            "there is some cause 20.0 %, of the 95 % that it needs. In doubt, that none of these is behind it has a "
+            "probability of 12.3 %.",
         ),
         (
             diagnosed(ranked("drag-bias", score=0.9), causes=()),
@@ -235,6 +236,10 @@ def test_several_data_sets_are_told_with_what_they_share_and_what_stays_in_doubt
     assert " No two of them bore on the same effect." in campaign.answer(found)
     found.informed_by, two.levels = {}, ()
     assert campaign.answer(found).endswith("adequate for all 2 data sets: none asks for a cause.")
+    one.nothing = 0.2
+    assert "that one asks for a cause has a probability of 80.0 %, too little to claim a cause" in campaign.answer(
+        found
+    )
 
 
 def test_a_mission_that_is_adequate_is_planned_on_with_what_is_known_of_it(monkeypatch) -> None:

@@ -90,6 +90,8 @@ def diagnosed(**given: Any) -> Any:
         "causes": ("speed-scale",),
         "best": best,
         "none_of_these": 0.1,
+        "nothing": 0.6,
+        "provenance": SimpleNamespace(options={}),
         "coverage": None,
         "explanations": (),
         "verdict": "ambiguous",
@@ -133,7 +135,7 @@ def test_a_cause_that_changes_with_time_leaves_no_structure_along_nothing() -> N
     ("verdict", "score", "expected"),
     [
         ("adequate", 0.3, "none is needed: the data look as the mission expects"),
-        ("adequate", 3.4, "none is claimed: the likeliest, heavy tails, has a probability of 70.0 %"),
+        ("adequate", 3.4, "likeliest, heavy tails, has a probability of 70.0 %, and that there is some cause 40.0 %,"),
         ("unexplained", 3.4, "none fits what the data show"),
     ],
 )
@@ -166,6 +168,9 @@ def test_an_adequate_model_is_not_said_to_be_beyond_doubt(score: float, expected
         kind="transit",
     )
     assert answer(found) == f"The mission's model is adequate for these data: {expected}"
+    found.nothing = 0.3
+    assert answer(found).startswith("These data leave open whether the mission's model is adequate: that it lacks")
+    assert "lacks something (heavy tails, it may be) has a probability of 70.0 %, too little" in answer(found)
 
 
 def test_a_trial_pays_for_itself_in_what_is_saved_and_its_rule_says_the_side() -> None:

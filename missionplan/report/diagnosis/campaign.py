@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from missionplan.errors import InputError, Problem, shown
 from missionplan.mission.includes import hash_of
 from missionplan.report.diagnosis.evidence import draw_ranking
-from missionplan.report.diagnosis.findings import ageing_in_words, finding_in_words
+from missionplan.report.diagnosis.findings import LIKELIER, ageing_in_words, finding_in_words, open_in_words
 from missionplan.report.diagnosis.kind_report import names, percent
 from missionplan.report.diagnosis.page import answer as answer_of
 from missionplan.report.diagnosis.page import page as page_of
@@ -73,6 +73,8 @@ def answer(campaign: Campaign) -> str:
         adequate = (
             f"The mission's model is adequate for all {len(campaign.diagnoses)} data sets: none asks for a cause."
         )
+        if (least := min(each.nothing for each in campaign.diagnoses)) < LIKELIER:
+            adequate = open_in_words("these data sets", "that one asks for a cause", least)
         return " ".join([adequate, *aged])
     named = ", ".join(effect.replace("-", " ") for effect in found)
     shared = ", ".join(effect.replace("-", " ") for effect in campaign.shared)

@@ -18,8 +18,9 @@ from missionplan.results.learned.levels import AHEAD, ParameterLevels
 _PERCENT, _HOUR = 100.0, 3600.0
 UNLIKELY = 0.05
 """Probability of what has no name from which it is told."""
-_LIKELIER = 0.5
-"""Probability of what has no name from which nothing is ordered: a cause that is named may be its likeness."""
+LIKELIER = 0.5
+"""Probability of what has no name from which nothing is ordered: a cause that is named may be its likeness; and that
+there is nothing, below which a model without a cause is not called adequate."""
 _NO_NAME = "no effect of the catalogue explains"
 _DOUBTFUL = ("ambiguous", "partly-explained")
 _TELLING = 2.0
@@ -70,7 +71,7 @@ def disputed_causes(diagnosis: Diagnosis) -> frozenset[str]:
     if diagnosis.verdict not in _DOUBTFUL:
         return made
     physical = frozenset(cause for cause in diagnosis.causes if CATALOGUE[cause].tier == "physical")
-    if REPORTS[diagnosis.kind].proves_nothing or diagnosis.none_of_these >= _LIKELIER:
+    if REPORTS[diagnosis.kind].proves_nothing or diagnosis.none_of_these >= LIKELIER:
         return made | physical
     doubtful = {cause for cause, probability in diagnosis.readings.inclusion.items() if probability < SURE}
     return made | (physical & {*doubtful, *diagnosis.not_constant})
@@ -198,6 +199,14 @@ def how_sure(diagnosis: Diagnosis) -> list[str]:
     return words
 
 
+def open_in_words(data: str, lacking: str, nothing: float) -> str:
+    """Write that no cause is claimed though there is one more likely than not; `lacking`: that there is."""
+    return (
+        f"{capitalised(data)} leave open whether the mission's model is adequate: {lacking} has a probability of "
+        f"{percent(1.0 - nothing)}, too little to claim a cause: correct nothing yet."
+    )
+
+
 def _among_the_tried(diagnosis: Diagnosis) -> str:
     best = diagnosis.best
     if best is None:
@@ -209,7 +218,8 @@ def _among_the_tried(diagnosis: Diagnosis) -> str:
         if best.score > WORTH_TELLING and best.posterior is not None:
             return (
                 f"Of the explanations tried none is claimed: the likeliest, {names(best.causes)}, has a probability of "
-                f"{percent(best.posterior)}, and that there is some cause needs 95 %. In doubt, {other}."
+                f"{percent(best.posterior)}, and that there is some cause {percent(1.0 - diagnosis.nothing)}, of the "
+                f"95 % that it needs. In doubt, {other}."
             )
         return f"Of the explanations tried none is needed: the data look as the mission expects. In doubt, {other}."
     if best.posterior is None:

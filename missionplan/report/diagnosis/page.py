@@ -17,12 +17,14 @@ from missionplan.report.diagnosis.evidence import (
     sized,
 )
 from missionplan.report.diagnosis.findings import (
+    LIKELIER,
     UNLIKELY,
     WORTH_TELLING,
     disputed_causes,
     finding_in_words,
     how_sure,
     intervals_that_miss,
+    open_in_words,
     trends_in_words,
     wrong_fixes_in_words,
 )
@@ -47,6 +49,7 @@ _KEEP = (
     "Plan on with mission.yaml in this folder: the same mission with its noise, and what effects it has, as known now. "
     "The last table gives its noise levels as fitted."
 )
+_COLOURS = {"adequate": "good", "explained": "good", "unexplained": "bad"}
 _CONFIRMED = 3
 """Parameters of the mission's own effects that the headline names."""
 _MOVED = 2.0
@@ -67,7 +70,7 @@ def page(diagnosis: Diagnosis) -> Page:
         draw=lambda: kind.data_figure(diagnosis),
         numbers=_numbers(diagnosis),
         write=lambda: _sections(diagnosis),
-        verdict={"adequate": "good", "explained": "good", "unexplained": "bad"}.get(diagnosis.verdict, ""),
+        verdict="" if _is_open(diagnosis) else _COLOURS.get(diagnosis.verdict, ""),
         rerun=typed("diagnose", made.file, made.options["dataset"], seed=made.seed, **again),
         table=lambda: ranking_rows(diagnosis.ranking[:6]),
         sentence=f"{answer(diagnosis)}{next_trial_told(diagnosis.next_trial)}",
@@ -136,6 +139,11 @@ def _verdict_words(diagnosis: Diagnosis) -> str:
     return words.strip()
 
 
+def _is_open(diagnosis: Diagnosis) -> bool:
+    """Whether no cause is claimed, though it is likelier that there is one."""
+    return diagnosis.verdict == "adequate" and diagnosis.nothing < LIKELIER
+
+
 def _without_cause(diagnosis: Diagnosis) -> str:
     """Write the verdict where no physical cause is claimed; empty where one is."""
     left = resemblance(diagnosis.discrepancy)
@@ -143,8 +151,12 @@ def _without_cause(diagnosis: Diagnosis) -> str:
         is_left = diagnosis.discrepancy.axis is not None
         left_over = f" As it stands it leaves something in them: that {left}." if is_left else ""
         return f"Nothing new: the mission has learned from all of these data, which count once.{left_over}"
+    best = diagnosis.best
+    if _is_open(diagnosis):
+        likeliest = f" ({names(best.causes)}, it may be)" if best is not None else ""
+        return open_in_words("these data", f"that it lacks something{likeliest}", diagnosis.nothing)
     if diagnosis.verdict == "adequate":
-        best, asks = diagnosis.best, "nothing in them asks for a cause"
+        asks = "nothing in them asks for a cause"
         if best is not None and best.score > WORTH_TELLING:
             asks = f"what speaks for a cause ({names(best.causes)}) is too weak to claim it"
         return f"The mission's model is adequate for these data: {asks}.{_confirmed(diagnosis)}"

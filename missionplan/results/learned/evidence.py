@@ -252,5 +252,6 @@ class Judgement:
         str, Entry("which labels of the record look wrong, such as weights of dives; empty where none do")
     ]
     none_of_these: Annotated[float, Entry("probability that something outside the catalogue is left")]
+    nothing: Annotated[float, Entry("probability that there is no cause, and nothing else that the mission lacks")]
     coverage: Coverage | None
     """Of the 90 % intervals of the model claimed, else of the base model's, on data held out; None where unknown."""
