@@ -62,7 +62,7 @@ _COLUMNS = {
     "depth": ("t", "depth"),
     "barometer": ("t", "depth"),
     "attitude": ("t", "heading", "pitch"),
-    "origin": ("lat", "lon"),
+    "origin": ("t", "lat", "lon"),
     "boot": ("t", "since"),
 }
 
@@ -225,84 +225,55 @@ def _system(library: ModuleType, path: Path, wanted: str | None) -> int | None:
 
 
 def _add(found: _Found, kind: str, t: float, m: Any) -> None:
-    """Add what one message says."""
-    _TAKEN[kind](found, t, m)
+    """Add what one message says, at its time since 1970 [s]."""
+    if kind == "HEARTBEAT":
+        found.kinds.update([int(m.type)] if m.type not in _NO_VEHICLES else [])
+    elif kind == "MSG":
+        firmware = str(m.Message).lower().split(" ")[0]
+        found.kinds.update([_FIRMWARE[firmware]] if firmware in _FIRMWARE else [])
+    elif getattr(m, _NUMBERED.get(kind, ""), 0) == 0:
+        for name, values_of in _SAMPLED[kind]:
+            values = values_of(m)
+            if name == "fix":
+                found.told["gps"] += 1
+                found.told["fix"] += int(values[-1] == 1.0 and (values[0] != 0.0 or values[1] != 0.0))
+            found.samples[name].add(t, *values)
 
 
-def _add_kind(found: _Found, t: float, m: Any) -> None:
-    if m.type not in _NO_VEHICLES:
-        found.kinds[int(m.type)] += 1
-
-
-def _add_firmware(found: _Found, t: float, m: Any) -> None:
-    firmware = str(m.Message).lower().split(" ")[0]
-    if firmware in _FIRMWARE:
-        found.kinds[_FIRMWARE[firmware]] += 1
-
-
-def _add_fix(found: _Found, t: float, m: Any) -> None:
-    """Add a fix of a dataflash log; not one of a second receiver."""
-    if getattr(m, "I", 0) == 0:
-        _add_row(found, (t, m.Lat, m.Lng, m.HDop, math.nan, float(m.NSats), float(m.Status >= _FIX_3D)))
-
-
-def _add_raw_fix(found: _Found, t: float, m: Any) -> None:
+def _raw_fix(m: Any) -> tuple[float, ...]:
     hdop = 0.01 * m.eph if m.eph != 65535 else math.nan
     accuracy = 1e-3 * getattr(m, "h_acc", 0) or math.nan
     satellites = float(m.satellites_visible) if m.satellites_visible != 255 else math.nan
-    _add_row(found, (t, m.lat * _E7, m.lon * _E7, hdop, accuracy, satellites, float(m.fix_type >= _FIX_3D)))
+    return m.lat * _E7, m.lon * _E7, hdop, accuracy, satellites, float(m.fix_type >= _FIX_3D)
 
 
-def _add_row(found: _Found, row: tuple[float, ...]) -> None:
-    found.told["gps"] += 1
-    found.told["fix"] += int(row[-1] == 1.0 and (row[1] != 0.0 or row[2] != 0.0))
-    found.samples["fix"].add(*row)
-
-
-def _add_global(found: _Found, t: float, m: Any) -> None:
-    found.samples["place"].add(t, m.lat * _E7, m.lon * _E7)
-    found.samples["depth"].add(t, -1e-3 * m.relative_alt)
-
-
-def _add_filtered(found: _Found, t: float, m: Any) -> None:
-    """Add the filter's metres, of its first core."""
-    if getattr(m, "C", 0) == 0:
-        found.samples["plane"].add(t, m.PN, m.PE)
-
-
-def _add_attitude(found: _Found, t: float, m: Any) -> None:
-    found.samples["attitude"].add(t, math.degrees(m.yaw), math.degrees(m.pitch))
-    found.samples["boot"].add(t, 1e-3 * m.time_boot_ms)
-
-
-def _add_origin(found: _Found, t: float, m: Any) -> None:
-    if getattr(m, "Type", 0) == 0:
-        found.samples["origin"].add(m.Lat, m.Lng)
-
-
-def _add_barometer(found: _Found, t: float, m: Any) -> None:
-    if getattr(m, "I", 0) == 0:
-        found.samples["barometer"].add(t, -m.Alt)
-
-
-_TAKEN: Mapping[str, Callable[[_Found, float, Any], None]] = {
-    "HEARTBEAT": _add_kind,
-    "MSG": _add_firmware,
-    "GPS": _add_fix,
-    "GPS_RAW_INT": _add_raw_fix,
-    "POS": lambda found, t, m: found.samples["place"].add(t, m.Lat, m.Lng),
-    "GLOBAL_POSITION_INT": _add_global,
-    "XKF1": _add_filtered,
-    "NKF1": _add_filtered,
-    "LOCAL_POSITION_NED": lambda found, t, m: found.samples["plane"].add(t, m.x, m.y),
-    "CTUN": lambda found, t, m: found.samples["depth"].add(t, -getattr(m, "Alt", math.nan)),
-    "BARO": _add_barometer,
-    "ATT": lambda found, t, m: found.samples["attitude"].add(t, m.Yaw, m.Pitch),
-    "ATTITUDE": _add_attitude,
-    "ORGN": _add_origin,
-    "GPS_GLOBAL_ORIGIN": lambda found, t, m: found.samples["origin"].add(m.latitude * _E7, m.longitude * _E7),
+_Sampled = tuple[str, Callable[[Any], tuple[float, ...]]]
+_FILTER: _Sampled = ("plane", lambda m: (m.PN, m.PE))
+_SAMPLED: Mapping[str, tuple[_Sampled, ...]] = {
+    "GPS": (("fix", lambda m: (m.Lat, m.Lng, m.HDop, math.nan, float(m.NSats), float(m.Status >= _FIX_3D))),),
+    "GPS_RAW_INT": (("fix", _raw_fix),),
+    "POS": (("place", lambda m: (m.Lat, m.Lng)),),
+    "GLOBAL_POSITION_INT": (
+        ("place", lambda m: (m.lat * _E7, m.lon * _E7)),
+        ("depth", lambda m: (-1e-3 * m.relative_alt,)),
+    ),
+    "XKF1": (_FILTER,),
+    "NKF1": (_FILTER,),
+    "LOCAL_POSITION_NED": (("plane", lambda m: (m.x, m.y)),),
+    "CTUN": (("depth", lambda m: (-getattr(m, "Alt", math.nan),)),),
+    "BARO": (("barometer", lambda m: (-m.Alt,)),),
+    "ATT": (("attitude", lambda m: (m.Yaw, m.Pitch)),),
+    "ATTITUDE": (
+        ("attitude", lambda m: (math.degrees(m.yaw), math.degrees(m.pitch))),
+        ("boot", lambda m: (1e-3 * m.time_boot_ms,)),
+    ),
+    "ORGN": (("origin", lambda m: (m.Lat, m.Lng)),),
+    "GPS_GLOBAL_ORIGIN": (("origin", lambda m: (m.latitude * _E7, m.longitude * _E7)),),
 }
-"""What is done with a message of each kind, at its time since 1970 [s]."""
+"""Of a message of each kind, to which samples it adds, and their values but the time."""
+_NUMBERED = {"GPS": "I", "BARO": "I", "XKF1": "C", "NKF1": "C", "ORGN": "Type"}
+"""Field with the number of the receiver, barometer, filter's core or origin, of which the first is taken."""
+_TAKEN = ("HEARTBEAT", "MSG", *_SAMPLED)
 
 
 def _reckoned(samples: dict[str, Samples]) -> tuple[Positions, str]:

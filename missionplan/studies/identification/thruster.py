@@ -47,7 +47,7 @@ def identify_tunnel_thruster(
     best = fits[0]
     values = np.array([best["thrust_constant"].value, best["decay"].value])
     limit = float(np.asarray(tt.highest_ratio(values[1])))
-    beyond = int(np.sum(tt.out_of_range(run.ratio(values), values[1])))
+    beyond = int(np.sum(tt.out_of_range(run.load(values).ratio, values[1])))
     remarks = [f"The exponential holds up to u/u_j = {limit:.2f}; beyond, forces may recover as ships' do."]
     if beyond:
         remarks.append(f"{beyond} of {len(run.speed)} points lie beyond that.")
@@ -94,17 +94,10 @@ class TunnelThrusterRun:
 
     def force(self, values: Array) -> Array:
         """Force for K_3 and c [N]."""
-        return np.asarray(self._load(values).force)
+        return np.asarray(self.load(values).force)
 
-    def ratio(self, values: Array) -> Array:
-        """Speed over the jet's for K_3 and c."""
-        return np.asarray(self._load(values).ratio)
-
-    def moment(self, values: Array, gradient: float, offset: float) -> Array:
-        """Moment for K_3 and c, with the gradient and offset [m] of the centre of suction [N m]."""
-        return np.asarray(self._load(values, gradient, offset).moment)
-
-    def _load(self, values: Array, gradient: float = 0.0, offset: float = 0.0) -> tt.ThrusterLoad:
+    def load(self, values: Array, gradient: float = 0.0, offset: float = 0.0) -> tt.ThrusterLoad:
+        """Return force, moment and speed over the jet's, with gradient and offset [m] of the centre of suction."""
         thruster = tt.TunnelThruster(
             self.geometry.diameter,
             values[0],
@@ -128,7 +121,8 @@ def _moment_fits(
 
     def joint(name: str, law: FitParameter) -> FittedModel:
         def moment(both: Array, value: float) -> Array:
-            return run.moment(both, value, 0.0) if law.name == "suction_gradient" else run.moment(both, 0.0, value)
+            centre = (value, 0.0) if law.name == "suction_gradient" else (0.0, value)
+            return np.asarray(run.load(both, *centre).moment)
 
         def moment_alone(values: Array) -> Array:
             return moment(np.array([estimate.value for estimate in constants]), values[0])
@@ -148,7 +142,7 @@ def _moment_fits(
 def _panels(run: TunnelThrusterRun, best: FittedModel, force: Array, moments: Array | None) -> tuple[FitPanel, ...]:
     """Force factor against speed ratio and, where moments are given about another point, the moment factor."""
     constant, decay = best["thrust_constant"].value, best["decay"].value
-    ratio = run.ratio(np.array([constant, decay]))
+    ratio = np.asarray(run.load(np.array([constant, decay])).ratio)
     line = np.linspace(0.0, max(float(ratio.max()), 0.1), 100)
     static, factor = tt.static_thrust(constant, run.revolutions), np.asarray(tt.force_factor(line, decay))
     force_panel = FitPanel(

@@ -157,7 +157,8 @@ def test_other_messages_of_an_autopilot():
     assert found["attitude"]["heading"] == pytest.approx([350.0, np.degrees(-0.5)])
     assert found["attitude"]["pitch"] == pytest.approx([-5.0, np.degrees(0.1)])
     assert found["boot"]["since"] == [1.5]
-    assert found["origin"] == {"lat": pytest.approx([48.0, 49.0]), "lon": pytest.approx([-123.0, -124.0])}
+    places = {"lat": pytest.approx([48.0, 49.0]), "lon": pytest.approx([-123.0, -124.0])}
+    assert found["origin"] == {"t": [7.0] * 2, **places}
 
 
 def test_what_an_autopilot_is_and_when_it_began_anew():
