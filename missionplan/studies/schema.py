@@ -3,7 +3,7 @@
 JSON schema of `summary.json`: the entries that the fields of each result state, command by command.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, is_dataclass
 from functools import partial
 from types import NoneType, UnionType
@@ -38,7 +38,7 @@ from missionplan.studies.identification.fits import Identification
 from missionplan.studies.leg_length.plan_result import LegPlan
 from missionplan.studies.leg_length.sweep_result import Sweep
 from missionplan.studies.rare_failure import RareFailure
-from missionplan.studies.schema_sections import Schema, effects, written
+from missionplan.studies.schema_sections import Schema, effects, object_of, written
 from missionplan.studies.sweep_transition import TransitionSweep
 from missionplan.studies.tide.result import TideResult
 
@@ -84,7 +84,7 @@ class _Records:
         if parts:
             whole = self.written(kind)
             required = [key for key in parts if key in whole["required"]]
-            return _object({key: whole["properties"][key] for key in parts}, required)
+            return object_of({key: whole["properties"][key] for key in parts}, required)
         name = kind.__name__
         if name not in self.definitions:
             self.definitions[name] = {}  # records may hold themselves
@@ -94,11 +94,11 @@ class _Records:
     def written(self, kind: type[Any]) -> dict[str, Any]:
         """Write a record out; one that makes its summary otherwise is left open."""
         if kind in _OF_TRIALS:
-            return _object(dict.fromkeys(_OF_TRIALS[kind], _NUMBER))
+            return object_of(dict.fromkeys(_OF_TRIALS[kind], _NUMBER))
         if not issubclass(kind, Record):
             hints = {} if hasattr(kind, "summary") else get_type_hints(kind)
-            return _object({name: self._value(hint) for name, hint in hints.items()}) if hints else {"type": "object"}
-        top = self.written(Provenance) if issubclass(kind, Result) else _object({})
+            return object_of({name: self._value(hint) for name, hint in hints.items()}) if hints else {"type": "object"}
+        top = self.written(Provenance) if issubclass(kind, Result) else object_of({})
         decision = self.written(Decision) if issubclass(kind, Result) else {}
         for item in stated(kind):  # type: ignore[arg-type]  # a class is hashable
             if decision and item.key == "decision":
@@ -113,7 +113,7 @@ class _Records:
     def _put(self, top: dict[str, Any], item: StatedField) -> None:
         group, entry = top, item.entry
         for name in item.groups:
-            group = group["properties"].setdefault(name, _object({}))
+            group = group["properties"].setdefault(name, object_of({}))
         if entry.inline:
             group.update(_together(group, self.written(item.kind)))  # type: ignore[arg-type]
             return
@@ -145,18 +145,9 @@ class _Records:
         return dict(_PLAIN.get(annotation, {}))
 
 
-def _object(properties: Mapping[str, Schema], required: Sequence[str] | None = None) -> dict[str, Any]:
-    return {
-        "type": "object",
-        "properties": dict(properties),
-        "required": list(properties if required is None else required),
-        "additionalProperties": False,
-    }
-
-
 def _together(first: Mapping[str, Any], second: Mapping[str, Any]) -> dict[str, Any]:
     """Return an object with the entries of two."""
-    return _object(first["properties"] | second["properties"], first["required"] + second["required"])
+    return object_of(first["properties"] | second["properties"], first["required"] + second["required"])
 
 
 def summaries() -> Schema:

@@ -3,7 +3,7 @@
 import inspect
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, get_args, get_origin
 
 from pydantic import BaseModel
@@ -33,6 +33,16 @@ _WRITTEN_IN: Mapping[str, tuple[tuple[float, str], ...]] = {
 """Units in which examples are written, from which size on."""
 _OPTIONAL: Mapping[tuple[str, ...], tuple[str, ...]] = {("mean", "sd", "low", "high"): ("mean", "sd")}
 """Keys that a form needs, where it can do without the others."""
+
+
+def object_of(properties: Mapping[str, Schema], required: Sequence[str] | None = None) -> dict[str, Any]:
+    """Return the schema of an object with these properties and no others; all are required where none are named."""
+    return {
+        "type": "object",
+        "properties": dict(properties),
+        "required": list(properties if required is None else required),
+        "additionalProperties": False,
+    }
 
 
 def quantity(parser: QuantityParser) -> Schema:
@@ -104,47 +114,24 @@ def _distribution(value: Schema, form: tuple[str, ...]) -> Schema:
         "choices": {"type": "array", "items": value, "minItems": 1},
         "factor": {"type": "number", "exclusiveMinimum": 1.0},
     }
-    return {
-        "type": "object",
-        "properties": {key: keys.get(key, free) for key in form},
-        "required": list(_OPTIONAL.get(form, form)),
-        "additionalProperties": False,
-    }
+    return object_of({key: keys.get(key, free) for key in form}, _OPTIONAL.get(form, form))
 
 
 _PAIR: Schema = {"type": "array", "items": {"type": "string"}, "minItems": 2, "maxItems": 2}
-_CORRELATIONS: Schema = {
-    "type": "array",
-    "items": {
-        "type": "object",
-        "properties": {"between": _PAIR, "rho": {"type": "number", "minimum": -1, "maximum": 1}},
-        "required": ["between", "rho"],
-        "additionalProperties": False,
-    },
-}
+_RHO: Schema = {"type": "number", "minimum": -1, "maximum": 1}
+_CORRELATIONS: Schema = {"type": "array", "items": object_of({"between": _PAIR, "rho": _RHO})}
 
 
 def effects() -> tuple[Schema, dict[str, Schema]]:
     """Return the schema of the list, and the definitions that it refers to."""
     entries = {name: _entry(info) for name, info in CATALOGUE.items()}
     entry: Schema = {"type": "object", "properties": entries, "additionalProperties": False, "maxProperties": 1}
-    explanation: Schema = {
-        "type": "object",
-        "properties": {
-            "probability": {"type": "number", "exclusiveMinimum": 0, "maximum": 1},
-            "effects": {"type": "array", "items": {"$ref": "#/definitions/effect"}},
-            "correlations": _CORRELATIONS,
-        },
-        "required": ["probability", "effects"],
-        "additionalProperties": False,
+    needed: dict[str, Schema] = {
+        "probability": {"type": "number", "exclusiveMinimum": 0, "maximum": 1},
+        "effects": {"type": "array", "items": {"$ref": "#/definitions/effect"}},
     }
-    one_of: Schema = {"type": "array", "items": explanation, "minItems": 1}
-    doubt: Schema = {
-        "type": "object",
-        "properties": {ONE_OF: one_of},
-        "required": [ONE_OF],
-        "additionalProperties": False,
-    }
+    explanation = object_of({**needed, "correlations": _CORRELATIONS}, list(needed))
+    doubt = object_of({ONE_OF: {"type": "array", "items": explanation, "minItems": 1}})
     listed: Schema = {"type": "array", "items": {"anyOf": [{"$ref": "#/definitions/effect"}, doubt]}}
     return listed, {"effect": {**entry, "minProperties": 1}}
 
@@ -162,12 +149,11 @@ def _entry(info: EffectInfo) -> Schema:
 
 _TEXT_OR_NUMBER: Schema = {"anyOf": [{"type": "string", "pattern": NUMBER_WITH_UNIT}, {"type": "number"}]}
 """A quantity whose unit follows from other keys."""
+_FILE: Schema = {"file": {"type": "string"}, "sha256": {"type": "string"}, "summary": {"type": "object"}}
 _POSTERIOR: Schema = {
     "type": "object",
     "description": "draws of what was learned, as diagnose writes them beside the mission",
-    "properties": {"file": {"type": "string"}, "sha256": {"type": "string"}, "summary": {"type": "object"}},
-    "required": ["file", "sha256"],
-    "additionalProperties": False,
+    **object_of(_FILE, ("file", "sha256")),
 }
 _LEARNED: Schema = {
     "type": "array",
