@@ -55,11 +55,6 @@ class DescentPriors:
             differs.add("line")
         return {info.id: (info.follows, info.what) for info in effects_of("descent") if info.follows in differs}
 
-    @property
-    def untestable(self) -> Mapping[str, str]:
-        """None: every effect on a descent can show in a dive log."""
-        return {}
-
     @cached_property
     def y(self) -> Array:
         """Readings of all dives, one dive after the other, shape (N,) [m]."""

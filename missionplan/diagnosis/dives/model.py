@@ -29,8 +29,7 @@ from missionplan.diagnosis.inference.evidence_approximations import DRAWS, Sampl
 from missionplan.diagnosis.inference.marginal_likelihood import QUANTILE_95
 from missionplan.diagnosis.inference.model import CauseFit, HeldOutScore
 from missionplan.diagnosis.inference.prior import inside_range
-from missionplan.diagnosis.inference.selection import Progress, Selection, no_progress
-from missionplan.diagnosis.inference.weighing import NeutralResponses, weigh
+from missionplan.diagnosis.inference.weighing import LinearisedModel, NeutralResponses
 from missionplan.effects import effects_of
 from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission
@@ -49,15 +48,11 @@ REFIT_ITERATIONS = 2
 
 
 @dataclass(frozen=True)
-class DescentModel(DescentFitting):
+class DescentModel(DescentFitting, LinearisedModel):
     """Base model of a mission's descent and every cause of the catalogue, bound to dive logs."""
 
     alternatives: Sequence[frozenset[str]] = ()
     """Groups of effects of which a set holds at most one."""
-
-    def all_sets(self, progress: Progress = no_progress, jobs: int = 1) -> Selection:
-        """Return all sets of causes with their probabilities."""
-        return weigh(self, progress, jobs)
 
     def log_gains(self, fits: Sequence[CauseFit], supersets: Sequence[Sequence[Causes]]) -> list[Array]:
         """Return what further causes add to the log evidence of fits, for the supersets of each."""

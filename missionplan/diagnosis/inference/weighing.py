@@ -15,6 +15,8 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Protocol
 
+import numpy as np
+
 from missionplan.arrays import Array
 from missionplan.diagnosis.inference.evidence_approximations import SampledEvidence
 from missionplan.diagnosis.inference.model import CauseFit, FailedFit, Model, fitted
@@ -25,6 +27,7 @@ from missionplan.diagnosis.inference.selection import (
     Selection,
     credible_set,
     log_prior,
+    no_progress,
     over_responses,
     probabilities,
     told_together,
@@ -64,13 +67,25 @@ class LinearisedModel(Model, Protocol):
     """A model whose sets are fitted one by one, and linearised there."""
 
     @property
+    def untestable(self) -> Mapping[str, str]:
+        """None, where every effect can show in such data."""
+        return {}
+
+    @property
     def unnamed(self) -> Mapping[str, tuple[str, str]]:
-        """Candidates without a name: what each follows, and in words."""
-        ...
+        """Candidates without a name: what each follows, and in words; none, where what has no name is smooth."""
+        return {}
 
     def log_gains(self, fits: Sequence[CauseFit], supersets: Sequence[Sequence[Causes]]) -> list[Array]:
-        """Return what further causes add to the log evidence of fits, for the supersets of each."""
-        ...
+        """Return what further causes add to the log evidence of fits, for the supersets of each; infinite: not known.
+
+        All sets are fitted then.
+        """
+        return [np.full(len(sets), np.inf) for sets in supersets]
+
+    def all_sets(self, progress: Progress = no_progress, jobs: int = 1) -> Selection:
+        """Return all sets of causes with their probabilities."""
+        return weigh(self, progress, jobs)
 
     def responses_beside(self, fits: Sequence[CauseFit]) -> NeutralResponses:
         """Return the neutral responses, by what the first fit leaves open, and their gains beside every fit."""

@@ -14,10 +14,8 @@ from missionplan.diagnosis.inference.evidence_approximations import SampledEvide
 from missionplan.diagnosis.inference.marginal_likelihood import LOG_2PI
 from missionplan.diagnosis.inference.model import CauseFit, HeldOutScore
 from missionplan.diagnosis.inference.prior import inside_range
-from missionplan.diagnosis.inference.selection import Progress, Selection, no_progress
-from missionplan.diagnosis.inference.weighing import NeutralResponses, weigh
+from missionplan.diagnosis.inference.weighing import LinearisedModel, NeutralResponses
 from missionplan.diagnosis.tank.fitting import LinearData, TankFitting, fitted_root
-from missionplan.results.learned.evidence import Causes
 
 COVARIANCE_INFLATION = 9.0
 """Factor on the posterior covariance with which fitted coordinates enter the residuals: as good as unknown there."""
@@ -28,29 +26,16 @@ SAME = 1e-9
 
 
 @dataclass(frozen=True)
-class TankModel(TankFitting):
+class TankModel(TankFitting, LinearisedModel):
     """Base model of a tank experiment and the effects that it may lack, bound to data."""
 
     alternatives: Sequence[frozenset[str]] = ()
     """Groups of effects of which a set holds at most one."""
 
     @property
-    def unnamed(self) -> Mapping[str, tuple[str, str]]:
-        """None: what has no name is smooth along the record."""
-        return {}
-
-    @property
     def untestable(self) -> Mapping[str, str]:
         """Effects that these data could not show, and why."""
         return self.forward.untestable
-
-    def all_sets(self, progress: Progress = no_progress, jobs: int = 1) -> Selection:
-        """Return all sets of causes with their probabilities."""
-        return weigh(self, progress, jobs)
-
-    def log_gains(self, fits: Sequence[CauseFit], supersets: Sequence[Sequence[Causes]]) -> list[Array]:
-        """Return that nothing is known: all sets of a tank's few effects are fitted."""
-        return [np.full(len(sets), np.inf) for sets in supersets]
 
     def responses_beside(self, fits: Sequence[CauseFit]) -> NeutralResponses:
         """Return errors that are smooth along each axis, and what they add to the log evidence of each fit.
