@@ -246,6 +246,11 @@ class TransitData:
         return (self.end - self.dead_reckoned) / self.under_way
 
     @property
+    def weight(self) -> Array:
+        """What a velocity error counts for in a mean of their squares: as its error of position does, shape (n,)."""
+        return np.asarray(self.under_way / np.sqrt(np.mean(self.under_way**2)))
+
+    @property
     def typical_fix_sd(self) -> float | None:
         """Standard deviation of a fix, each axis: the median of those stated leg by leg, else that of all [m]."""
         return self.fix_sd if self.leg_fix_sd is None else float(np.median(self.leg_fix_sd))

@@ -152,6 +152,8 @@ def test_how_far_a_leg_ends_is_both_axes_of_its_error_by_its_time() -> None:
     for learning in (0.1, 0.06, 0.04):
         words = REPORTS["transit"].gained(found, learning, 0.05).replace("\u00a0", " ")
         assert words == "; a leg of 16.7 min then ends 71 m from where it is expected, not 140 m"
+    found.residuals.loc[3] = [1.0, 9.0, 9.0]  # whose fixes alone make such velocities
+    assert REPORTS["transit"].gained(found, 0.1, 0.05).replace("\u00a0", " ") == words
 
 
 def test_a_score_draws_and_tells_the_numbers_of_its_own_axis_and_prediction() -> None:

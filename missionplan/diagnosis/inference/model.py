@@ -65,7 +65,7 @@ class HeldOutScore:
     log_score: float
     """ln p(group | the others)."""
     squared_error: float
-    """Sum of squared errors of the predictive mean."""
+    """Sum of squared errors of the predictive mean; of legs as their errors of position count."""
     inside: int
     """Values inside their 90 % predictive interval."""
     count: int

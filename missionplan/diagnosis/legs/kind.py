@@ -260,8 +260,7 @@ class TransitKind(DataKind):
         ratio = measured / expected
         words = f"{ratio:.1f} times" if not 0.95 < ratio < 1.05 else "about"
         row = " in a row" if count < data.n else ""
-        rms = math.sqrt(float(np.mean(np.sum(model.y**2, axis=0))))
-        usual = math.sqrt(float(np.mean(variance / data.under_way**2)))
+        rms, usual = np.sqrt(np.array([np.sum(moved**2), np.sum(variance)]) / np.sum(data.under_way**2))
         return (
             f"Over {count} legs{row} the errors add up to {words} what the mission expects ({measured / 1000.0:.2f} km "
             f"against {expected / 1000.0:.2f} km); a leg errs by {100.0 * rms:.1f} cm/s rms, "
@@ -269,9 +268,10 @@ class TransitKind(DataKind):
         )
 
     def shares_explained(self, base: CauseFit, fits: Sequence[CauseFit], residuals: pd.DataFrame) -> list[float]:
-        """Return the share of the squared velocity errors that each fit predicts one leg ahead."""
-        before = max(float(np.sum(self.model.y**2)), 1e-30)
-        left = (np.sum(self.model.one_step_errors(fit) ** 2) for fit in fits)
+        """Return the share of the squared errors of position that each fit predicts one leg ahead."""
+        weight = self.data.weight
+        before = max(float(np.sum((self.model.y * weight) ** 2)), 1e-30)
+        left = (np.sum((self.model.one_step_errors(fit) * weight) ** 2) for fit in fits)
         return [float(np.clip(1.0 - each / before, 0.0, 1.0)) for each in left]
 
     def extended_mission(self, best: CauseFit) -> dict[str, object]:

@@ -252,10 +252,11 @@ class TransitModel(TransitFitting):
         log_score = whole.log_density - seen.log_density
         mean, covariance = model.predicted(trained, others, block)
         error = leg_by_leg(self.y[:, block] - mean)
+        off = error * np.repeat(self.data.weight[block], 2)
         standardised = error / np.sqrt(np.diag(covariance))
         name = f"legs {self.data.labels[block[0]]} to {self.data.labels[block[-1]]}"
         inside = int((np.abs(standardised) <= QUANTILE_95).sum())
-        return HeldOutScore(name, log_score, float(error @ error), inside, error.size, tuple(standardised.tolist()))
+        return HeldOutScore(name, log_score, float(off @ off), inside, error.size, tuple(standardised.tolist()))
 
     @property
     def designs(self) -> Sequence[str]:

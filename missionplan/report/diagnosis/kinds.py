@@ -214,9 +214,10 @@ def _gained_of_legs(diagnosis: Diagnosis, before: float, after: float) -> str:
     Before is as the mission stands, also where it would learn from leg to leg what it knows already.
     """
     legs = diagnosis.residuals
-    duration = float(legs["duration_s"].median())
+    times = legs["duration_s"].to_numpy()
+    duration = float(np.median(times))
     axes = legs[["residual_base_east_m_s", "residual_base_north_m_s"]].to_numpy()
-    before = max(before, math.sqrt(float(np.mean(axes**2))))
+    before = max(before, math.sqrt(0.5 * float(np.sum((axes.T * times) ** 2) / np.sum(times**2))))
     off = [math.sqrt(2.0) * error * duration for error in (before, after)]
     unit = reader_unit("m", max(off))
     was, now = (f"{number(unit(each), unit(0.2 * each))}{unit.suffix}" for each in off)

@@ -52,7 +52,7 @@ class GroupScore:
     """ln p(group | the others)."""
     rmse_base: float
     rmse_extended: float
-    """[m] for depths, [m/s] for velocity errors."""
+    """[m] for depths, [m/s] for velocity errors, of which those of longer legs count more."""
 
 
 @dataclass(frozen=True)

@@ -106,6 +106,20 @@ def test_errors_that_all_point_east_add_up_to_more_than_the_mission_expects():
     )
 
 
+def test_short_legs_count_by_how_far_they_err():
+    """Of 0.3 m/s for 100 s and of 3 m/s for 1 s, each by turns, √((30² + 3²)/(100² + 1²)) is 0.301 m/s."""
+    under_way = np.tile([100.0, 1.0], 20)
+    data = SimpleNamespace(n=40, under_way=under_way)
+    model = SimpleNamespace(
+        data=data, axes=np.eye(2), y=np.stack([30.0 / under_way, 0.0 * under_way]), covariance=np.eye(2), fix_error=0.0
+    )
+    model.y[0, 1::2] = 3.0
+    assert "a leg errs by 30.1 cm/s rms, 141.4 expected" in TransitKind.misfit(SimpleNamespace(model=model), None)
+    weight = TransitData.weight.fget(SimpleNamespace(under_way=under_way))
+    assert np.mean(weight**2) == pytest.approx(1.0)
+    assert weight[0] / weight[1] == pytest.approx(100.0)
+
+
 def test_the_next_leg_is_predicted_by_the_mean_so_far_the_last_leg_and_the_model():
     rng = np.random.default_rng(5)
     velocity, under_way, refits = rng.normal(size=(2, 24)), rng.uniform(50.0, 200.0, 24), []
