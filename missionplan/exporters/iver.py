@@ -8,6 +8,7 @@ the University of Michigan reads ("Iver2 Mission Planning Manual", rev. 1.2).
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import pairwise
 
 import numpy as np
 
@@ -91,29 +92,38 @@ def files(plan: Plan, stem: str) -> dict[str, str | bytes]:
 def _mission(plan: Plan, transit: PlannedTransit, name: str) -> str:
     park, stops = _minutes(transit), (transit.start, *transit.sequence)
     lines = ["MISSION FILE VERSION V1.1", _COLUMNS, "MISSION NAME", plain(name), "START"]
-    lines += [_line(number, transit, waypoint, park) for number, waypoint in enumerate(stops, start=1)]
-    lines += ["END", "WP TIMING", *_timing(stops, park), "END WP TIMING"]
+    ways = [_way(*pair) for pair in pairwise((stops[0], *stops))]
+    lines += [
+        _line(number, transit, waypoint, park, *way)
+        for number, (waypoint, way) in enumerate(zip(stops, ways, strict=True), start=1)
+    ]
+    lines += ["END", "WP TIMING", *_timing(stops, ways, park), "END WP TIMING"]
     lines += ["START NOTES", *(plain(line) for line in header(plan, TITLE, lost(plan))), "END NOTES"]
     lines += ["START VEHICLE", f"UVC=WPRadius={_radius(transit):.0f}", "END VEHICLE"]
     return "\r\n".join(lines) + "\r\n"
 
 
-def _line(number: int, transit: PlannedTransit, waypoint: Waypoint, park: int) -> str:
+def _way(before: Waypoint, after: Waypoint) -> tuple[float, float]:
+    """Length [m] and heading [deg] of the way between two points, which may lie off the planned course."""
+    east, north = after.east - before.east, after.north - before.north
+    return math.hypot(east, north), math.degrees(math.atan2(east, north)) % 360.0
+
+
+def _line(number: int, transit: PlannedTransit, waypoint: Waypoint, park: int, length: float, heading: float) -> str:
     at_start = waypoint.kind == "start"
     depth = 0.0 if at_start else transit.depth / FOOT
-    heading = 0.0 if at_start else math.degrees(waypoint.course)
     return (
         f"{number}; {math.degrees(waypoint.latitude):.7f}; {math.degrees(waypoint.longitude):.7f}; "
-        f"{waypoint.length:.3f}; {heading:.2f}; D{depth:.2f} P{0 if at_start else park} "
+        f"{length:.3f}; {heading:.2f}; D{depth:.2f} P{0 if at_start else park} "
         f"VC1,0,0,1000,0,VC2,0,0,1000,0 S{transit.speed / KNOT:.3f}; 0;-1"
     )
 
 
-def _timing(stops: Sequence[Waypoint], park: int) -> Iterator[str]:
+def _timing(stops: Sequence[Waypoint], ways: Sequence[tuple[float, float]], park: int) -> Iterator[str]:
     time = distance = 0.0
-    for number, waypoint in enumerate(stops, start=1):
+    for number, (waypoint, (length, _)) in enumerate(zip(stops, ways, strict=True), start=1):
         time += waypoint.duration + (60.0 * park if number > 1 else 0.0)
-        distance += waypoint.length
+        distance += length
         yield f"WP{number};Time={time:.1f};Dist={distance:.1f}"
     hours, rest = divmod(round(time), 3600)
     yield f"Total Time = {hours:02d}:{rest // 60:02d}:{rest % 60:02d};Total Distance = {distance:.2f}"
