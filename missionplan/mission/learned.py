@@ -230,11 +230,11 @@ def drifted(draws: WeightedDraws, seen: Sequence[Seen], ahead: float, missions: 
     """
     columns = _columns(draws)
     for key, series in series_of(seen).items():
-        if (key[0], key[1]) not in columns:
+        sets = list(_rows_of_sets(draws, columns[key[0], key[1]])) if key[:2] in columns else []
+        if not sets:
             continue
         found, then = series.levels(ahead, missions)
         mean, sd = (float(each[0]) for each in found.at(np.array([then])))
-        sets = list(_rows_of_sets(draws, columns[key[0], key[1]]))
         before, variance = _moments(_coordinate(columns, key, sets[0]), draws.weights[sets[0]])
         for rows in sets:
             _move(columns, key, rows, draws.weights[rows], mean - before, sd**2 - variance)

@@ -9,7 +9,7 @@ import pytest
 from missionplan.diagnosis.plan_gain import with_urgency
 from missionplan.mission import Mission
 from missionplan.mission.includes import hash_of
-from missionplan.mission.learned import has_level, series_of
+from missionplan.mission.learned import drifted, has_level, series_of
 from missionplan.montecarlo.levels import Seen
 from missionplan.montecarlo.posterior import NOWHERE, DamagedPosteriorError, PosteriorFile, WeightedDraws
 from missionplan.report.diagnosis.findings import trends_in_words
@@ -92,6 +92,16 @@ def test_a_deviation_keeps_its_phase_where_its_level_is_still():
     mean = np.mean(values[:, 0] * np.exp(1j * values[:, 1]))
     assert (mean.real, mean.imag) == pytest.approx((0.035, 0.07 * np.sin(np.radians(60.0))), abs=1e-3)
     assert np.std(values[:, 0] * np.sin(values[:, 1])) == pytest.approx(np.std(pair.imag), rel=1e-6)
+
+
+def test_draws_in_which_an_effect_never_holds_are_left_as_they_are():
+    """An explanation that is known to hold, beside others that have the effect."""
+    draws, dates = np.stack([np.full(50, np.nan), np.full(50, 0.1)], axis=1), START + 30.0 * DAY * np.arange(2)
+    own = WeightedDraws(
+        (("drag-bias",),), np.zeros(50, int), (SPEED[:2], ("drag-bias", "fraction")), draws, np.full(50, 0.02)
+    )
+    found = drifted(own, learned([-0.02, -0.04], dates).seen, dates[-1] + 30.0 * DAY)
+    np.testing.assert_array_equal(found.values, draws)
 
 
 def test_what_has_a_level():
