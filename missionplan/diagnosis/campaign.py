@@ -1,23 +1,23 @@
 """Diagnoses of several steps: of logs, imported first; of data sets, the posterior of one the prior of the next."""
 
+import math
 import time
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from missionplan.datasets import dataset_kind, load_dataset_document
+from missionplan.datasets import dataset_kind, files_outside, load_dataset_document
+from missionplan.datasets.dives import read_descent
+from missionplan.datasets.legs import read_transit
 from missionplan.diagnosis.data_kind import KINDS
 from missionplan.diagnosis.diagnose import diagnose
 from missionplan.errors import InputError
 from missionplan.importers import import_logs
 from missionplan.mission import Mission, MissionOrPath
-from missionplan.results.learned import Campaign
+from missionplan.results.learned import Campaign, Diagnosis
 from missionplan.store.folder import as_path
 from missionplan.studies.run import Run, check_arguments
-
-if TYPE_CHECKING:
-    from missionplan.results.learned import Diagnosis
-
 
 ORDER = ("drag", "free-oscillation", "thruster", "propeller-transient", "summary", "descent", "transit")
 """Kinds of data in the order in which they are diagnosed: the tank, which measures a thing by itself, first."""
@@ -41,9 +41,9 @@ def diagnose_campaign(
 ) -> Campaign:
     """Diagnose several data sets of one campaign, of any kinds, one after the other.
 
-    They are taken in the order of `ORDER`, then of their names, however they are given. Each is laid against the
-    mission that the one before has extended, so that an effect which several of them can show has the posterior of one
-    as its prior for the next.
+    They are taken in the order of `ORDER`, then of the dates of legs and dives, then of their names, however they are
+    given. Each is laid against the mission that the one before has extended, so that an effect which several of them
+    can show has the posterior of one as its prior for the next.
 
     Parameters
     ----------
@@ -69,9 +69,11 @@ def diagnose_campaign(
     """
     started = time.perf_counter()
     base = check_arguments(mission, seed=seed, jobs=jobs)
-    folders = sorted({as_path(dataset, "dataset").resolve() for dataset in datasets}, key=_place)
+    folders = list({as_path(dataset, "dataset").resolve() for dataset in datasets})
     if len(folders) != len(datasets) or not folders:
         raise InputError(f"datasets: given {len(datasets)}, {len(folders)} of them different; expected each one once")
+    with files_outside(allowed=allow_outside):
+        folders.sort(key=partial(_place, mission=base))
     parted = [folder for folder in folders if dataset_kind(folder, KINDS) in PARTED]
     if holdout is not None and not parted:
         raise InputError("holdout: none of the data sets is of legs (transit) or dives (descent)")
@@ -105,10 +107,13 @@ def diagnose_campaign(
     return Campaign(provenance, tuple(found))
 
 
-def _place(folder: Path) -> tuple[int, str, str]:
-    """Place of a data set in the order: by its kind, its name, its folder."""
-    kind = dataset_kind(folder, KINDS)
-    return ORDER.index(kind), str(load_dataset_document(folder).data.get("name") or ""), str(folder)
+def _place(folder: Path, mission: Mission) -> tuple[int, float, str, str]:
+    """Place of a data set in the order: by its kind, its date (without one last), its name, its folder."""
+    kind, date = dataset_kind(folder, KINDS), math.nan
+    if kind in PARTED:
+        date = read_transit(folder, mission).date if kind == "transit" else read_descent(folder, mission).date
+    name = str(load_dataset_document(folder).data.get("name") or "")
+    return ORDER.index(kind), date if math.isfinite(date) else math.inf, name, str(folder)
 
 
 DATASET = "dataset"
@@ -125,9 +130,9 @@ def why(
     seed: int | None = None,
     jobs: int = 1,
     next_trial: bool = False,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress | None = None,
     **reading: Any,
-) -> "Diagnosis":
+) -> Diagnosis:
     """Import logs and diagnose what they hold.
 
     Parameters

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from contextlib import AbstractContextManager
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +11,10 @@ import pytest
 import yaml
 
 import missionplan
+from missionplan.diagnosis.campaign import _place
+from missionplan.mission import Mission
 from missionplan.results.learned import Campaign, Diagnosis
+from tests.fixtures import TRANSIT
 from tests.hidden_effects.cases import draw_case
 
 CAUSES = ("drag-bias", "clock-offset", "compass-bias", "mean-current", "persistent-error")
@@ -65,6 +69,15 @@ def found(campaign: tuple[Path, list[Path]], causes: Callable[[], AbstractContex
 def test_the_order_of_data_sets_does_not_matter(campaign: tuple[Path, list[Path]], found: Campaign) -> None:
     path, folders = campaign
     assert missionplan.diagnose_campaign(path, folders[::-1], plan=False).extended == found.extended
+
+
+def test_data_sets_of_a_kind_are_taken_by_date_those_without_one_last_then_by_name(tmp_path: Path) -> None:
+    folders = [write_legs(tmp_path / name, name, 50) for name in "dcba"]
+    for folder, start in zip(folders, ("2026-03-01", "2026-04-01", None, None), strict=True):
+        keys = yaml.safe_load((folder / "dataset.yaml").read_text())
+        (folder / "dataset.yaml").write_text(yaml.safe_dump(keys | ({"start": f"{start}T00:00:00Z"} if start else {})))
+    mission = Mission.from_data(TRANSIT)
+    assert [each.name for each in sorted(folders, key=partial(_place, mission=mission))] == ["d", "c", "a", "b"]
 
 
 def test_one_mission_carries_what_legs_and_dives_show(found: Campaign, tmp_path: Path) -> None:

@@ -24,9 +24,9 @@ _PASSED_ON = (
     "An effect passes from one data set to the next through the mission: what one leaves of its parameters is what "
     "the next begins with. Dives, summaries of dives and the drag of the tank share the vehicle's effects; legs "
     "share theirs with other legs, and have none in common with dives. σ_v is that of the last record of legs. The "
-    "order is that of the kinds (tank, dives, legs), then of the names; what the vehicle has is planned with at the "
-    "mission's date all the same. Another order could change what is claimed where an effect is weak in each record: "
-    "one record alone must show it clearly (55 to 1) for it to be claimed."
+    "order is that of the kinds (tank, dives, legs), then of the dates, then of the names. Another order could change "
+    "what is claimed where an effect is weak in each record: one record alone must show it clearly (55 to 1) for it to "
+    "be claimed."
 )
 
 
@@ -65,14 +65,12 @@ def _sections(campaign: Campaign) -> list[PageSection]:
 
 def answer(campaign: Campaign) -> str:
     """Say what the data sets showed: what was found with its size, as each diagnosis tells it, and what they share."""
-    found, last = campaign.informed_by, campaign.diagnoses[-1]
+    found, last, many = campaign.informed_by, campaign.diagnoses[-1], len(campaign.diagnoses)
     names_of = {hash_of(each.learned_from): name for each, name in zip(campaign.diagnoses, campaign.names, strict=True)}
     simulated = bool(campaign.provenance.options.get("plan") and last.learned_from)
     aged = ageing_in_words(last.levels, names_of, simulated=simulated)
     if not found:
-        adequate = (
-            f"The mission's model is adequate for all {len(campaign.diagnoses)} data sets: none asks for a cause."
-        )
+        adequate = f"The mission's model is adequate for all {many} data sets: none asks for a cause."
         if (least := min(each.nothing for each in campaign.diagnoses)) < LIKELIER:
             adequate = open_in_words("these data sets", "that one asks for a cause", least)
         return " ".join([adequate, *aged])
@@ -80,9 +78,7 @@ def answer(campaign: Campaign) -> str:
     shared = ", ".join(effect.replace("-", " ") for effect in campaign.shared)
     more = f" More than one of them bore on {shared}." if shared else " No two of them bore on the same effect."
     told = dict.fromkeys(words for each in campaign.diagnoses if (words := finding_in_words(each)))
-    together = (
-        f"Together {len(campaign.diagnoses)} data sets tell of {named}; one extended mission carries it all.{more}"
-    )
+    together = f"Together {many} data sets tell of {named}; one extended mission carries it all.{more}"
     return " ".join([*told, together, *aged, *_doubts(campaign.extended)])
 
 
