@@ -110,16 +110,40 @@ def _range(parser: QuantityParser) -> str:
 
 def _distribution(value: Schema, form: tuple[str, ...]) -> Schema:
     free = {"type": value["type"], **({"pattern": NUMBER_WITH_UNIT} if "pattern" in value else {})}
+    free["examples"] = value["examples"]
     keys: Mapping[str, Schema] = {
-        "choices": {"type": "array", "items": value, "minItems": 1},
-        "factor": {"type": "number", "exclusiveMinimum": 1.0},
+        "choices": {"type": "array", "items": value, "minItems": 1, "examples": [value["examples"]]},
+        "factor": {"type": "number", "exclusiveMinimum": 1.0, "examples": [1.4]},
     }
-    return object_of({key: keys.get(key, free) for key in form}, _OPTIONAL.get(form, form))
+    return object_of(
+        {key: {**keys.get(key, free), "description": _PARTS[key]} for key in form}, _OPTIONAL.get(form, form)
+    )
 
 
-_PAIR: Schema = {"type": "array", "items": {"type": "string"}, "minItems": 2, "maxItems": 2}
-_RHO: Schema = {"type": "number", "minimum": -1, "maximum": 1}
-_CORRELATIONS: Schema = {"type": "array", "items": object_of({"between": _PAIR, "rho": _RHO})}
+_PARTS: Mapping[str, str] = {
+    "mean": "mean of a normal distribution",
+    "sd": "standard deviation",
+    "low": "least that it may be",
+    "high": "most that it may be",
+    "median": "median of a log-normal distribution",
+    "factor": "68 % lie within the median times this and over this",
+    "choices": "values, of which each trial draws one",
+}
+"""Keys of a distribution."""
+_PAIR: Schema = {
+    "type": "array",
+    "items": {"type": "string"},
+    "minItems": 2,
+    "maxItems": 2,
+    "description": "two parameters of these effects",
+    "examples": [["mean-current.east", "mean-current.north"]],
+}
+_RHO: Schema = {"type": "number", "minimum": -1, "maximum": 1, "description": "their correlation", "examples": [0.8]}
+_CORRELATIONS: Schema = {
+    "type": "array",
+    "items": object_of({"between": _PAIR, "rho": _RHO}),
+    "description": "correlations of the parameters",
+}
 
 
 def effects() -> tuple[Schema, dict[str, Schema]]:
@@ -127,17 +151,29 @@ def effects() -> tuple[Schema, dict[str, Schema]]:
     entries = {name: _entry(info) for name, info in CATALOGUE.items()}
     entry: Schema = {"type": "object", "properties": entries, "additionalProperties": False, "maxProperties": 1}
     needed: dict[str, Schema] = {
-        "probability": {"type": "number", "exclusiveMinimum": 0, "maximum": 1},
-        "effects": {"type": "array", "items": {"$ref": "#/definitions/effect"}},
+        "probability": {
+            "type": "number",
+            "exclusiveMinimum": 0,
+            "maximum": 1,
+            "description": "of this explanation; what is left to 1 is that none holds",
+            "examples": [0.6],
+        },
+        "effects": {
+            "type": "array",
+            "items": {"$ref": "#/definitions/effect"},
+            "description": "effects that act where it holds",
+        },
     }
     explanation = object_of({**needed, "correlations": _CORRELATIONS}, list(needed))
-    doubt = object_of({ONE_OF: {"type": "array", "items": explanation, "minItems": 1}})
+    words = "explanations, of which each trial draws one"
+    doubt = object_of({ONE_OF: {"type": "array", "items": explanation, "minItems": 1, "description": words}})
     listed: Schema = {"type": "array", "items": {"anyOf": [{"$ref": "#/definitions/effect"}, doubt]}}
     return listed, {"effect": {**entry, "minProperties": 1}}
 
 
 def _entry(info: EffectInfo) -> Schema:
-    epoch: Schema = {"type": "string", "description": "the date of the phases; default: the mission's start"}
+    words = "the date of the phases; default: the mission's start"
+    epoch: Schema = {"type": "string", "description": words, "examples": [EXAMPLE]}
     dated = {"epoch": epoch} if info.frequency_of is not None else {}
     return {
         "type": "object",
@@ -149,7 +185,11 @@ def _entry(info: EffectInfo) -> Schema:
 
 _TEXT_OR_NUMBER: Schema = {"anyOf": [{"type": "string", "pattern": NUMBER_WITH_UNIT}, {"type": "number"}]}
 """A quantity whose unit follows from other keys."""
-_FILE: Schema = {"file": {"type": "string"}, "sha256": {"type": "string"}, "summary": {"type": "object"}}
+_FILE: Schema = {
+    "file": {"type": "string", "description": "file of the draws", "examples": ["posterior.npz"]},
+    "sha256": {"type": "string", "description": "its SHA-256, by which it is known", "examples": [64 * "0"]},
+    "summary": {"type": "object", "description": "what they tell, for the reader: nothing reads it", "examples": [{}]},
+}
 _POSTERIOR: Schema = {
     "type": "object",
     "description": "draws of what was learned, as diagnose writes them beside the mission",

@@ -2,7 +2,7 @@
 
 import json
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import cast
 
@@ -154,6 +154,24 @@ def test_every_key_has_an_example_that_its_own_schema_takes(kind: str) -> None:
         if not jsonschema.Draft7Validator({**each, "definitions": whole["definitions"]}).is_valid(example)
     }
     assert refused == {}
+
+
+def _inner_keys(written: object) -> Iterator[tuple[str, Mapping[str, object]]]:
+    """Every key of a schema at any depth, but of the definitions it refers to."""
+    parts = written.values() if isinstance(written, dict) else written if isinstance(written, list) else ()
+    for part in parts:
+        yield from _inner_keys(part)
+    if isinstance(written, dict) and isinstance(written.get("properties"), dict):
+        yield from written["properties"].items()
+
+
+def test_every_key_of_a_distribution_and_of_an_explanation_has_its_sentence_and_an_example() -> None:
+    sections = schema("mission")
+    speed = sections["definitions"]["TransitPhase"]["properties"]["speed"]
+    keys = [*_inner_keys(speed), *_inner_keys(sections["properties"])]
+    assert {"mean", "sd", "low", "high", "median", "factor", "choices", "one-of", "rho", "sha256"} <= dict(keys).keys()
+    assert [key for key, each in keys if "description" not in each and "$ref" not in each] == []
+    assert [key for key, each in _inner_keys(speed) if not each.get("examples")] == []
 
 
 def test_the_examples_of_quantities_are_read_and_of_a_usual_size() -> None:
