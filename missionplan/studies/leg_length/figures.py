@@ -227,7 +227,7 @@ def _name_curves(axes: Axes, sweep: Sweep, top: float) -> None:
 
 
 def _name(curve: SweepCurve) -> str:
-    return f"σ_v {quantity(curve.sigma, 'm/s', 'g')}"
+    return f"σ_v {quantity(curve.sigma, 'm/s', '.3g')}"
 
 
 def _along_d_max(sweep: Sweep) -> Slider:

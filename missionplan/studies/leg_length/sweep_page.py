@@ -47,7 +47,7 @@ def page(sweep: Sweep) -> Page:
     meets = sweep.judged is None or sweep.judged.requirements_met
     toothed = has_teeth(curve, sweep.critical_points)
     surfacings = (
-        f"With the d_max chosen for σ_v = {quantity(curve.sigma, 'm/s', 'g')} the vehicle surfaces "
+        f"With the d_max chosen for σ_v = {quantity(curve.sigma, 'm/s', '.3g')} the vehicle surfaces "
         f"{chosen.surfacings:.1f} times on average"
     )
     return Page(
@@ -79,7 +79,7 @@ def answer(sweep: Sweep) -> str:
     """Write which d_max to choose, what it saves, and what the mission with it does."""
     curve = sweep.middle
     chosen = curve.recommended
-    sigma, d_max = f"σ_v = {quantity(curve.sigma, 'm/s', 'g')}", length_in_words(chosen.d_max)
+    sigma, d_max = f"σ_v = {quantity(curve.sigma, 'm/s', '.3g')}", length_in_words(chosen.d_max)
     judged, members = judged_in_words(sweep.judged), members_in_words(sweep.members, "arrives")
     members = members and f" {members}"
     if not np.isfinite(chosen.cost):
@@ -176,7 +176,7 @@ def _chosen_rows(sweep: Sweep) -> tuple[list[str], list[list[str]]]:
     columns = [f"σ_v{speed.axis}", "d_max", "of distance", "Arrive", "Mean cost (%)", "One leg (%)", "Saved (min)"]
     rows = [
         [
-            speed.cell(curve.sigma, "g"),
+            speed.cell(curve.sigma, ".3g"),
             length_in_words(curve.recommended.d_max),
             f"{curve.recommended.d_max_over_distance:.3f}",
             share(curve.recommended.arrived),
@@ -196,7 +196,7 @@ def _as_good_in_words(sweep: Sweep) -> str:
         ratios = [point.d_max_over_distance for point in curve.as_good]
         if ratios:
             low, high = f"{min(ratios):.3f}", f"{max(ratios):.3f}"
-            parts.append(f"{low if low == high else f'{low} to {high}'} for σ_v = {quantity(curve.sigma, 'm/s', 'g')}")
+            parts.append(f"{low if low == high else f'{low} to {high}'} for σ_v = {quantity(curve.sigma, 'm/s', '.3g')}")
     return (
         "As good as the best, as far as these trials show (cost higher by less than two standard errors of the paired "
         f"difference), is a d_max of these shares of the distance: {'; '.join(parts)}."
@@ -208,7 +208,7 @@ def _table_section(sweep: Sweep) -> list[PageSection]:
     speed = reader_unit("m/s", 0.0)
     rows = [
         [
-            speed.cell(curve.sigma, "g"),
+            speed.cell(curve.sigma, ".3g"),
             with_error(curve.table.cost, curve.table.standard_error, PERCENT.bare),
             with_error(curve.best.cost, curve.best.standard_error, PERCENT.bare),
             with_error(
@@ -263,7 +263,7 @@ def cost_table(sweep: Sweep) -> Table:
     """Tabulate cost against d_max at about 20 places; `sweep.csv` has all of them."""
     count = len(sweep.curves[0].points)
     chosen = sorted({round(index) for index in np.linspace(0, count - 1, min(count, 21))})
-    costs = [f"Cost (%), σ_v {quantity(curve.sigma, 'm/s', 'g')}" for curve in sweep.curves]
+    costs = [f"Cost (%), σ_v {quantity(curve.sigma, 'm/s', '.3g')}" for curve in sweep.curves]
     rows = []
     for first, *others in ([curve.points[index] for curve in sweep.curves] for index in chosen):
         own = [with_error(point.cost, point.standard_error, PERCENT.bare) for point in (first, *others)]
