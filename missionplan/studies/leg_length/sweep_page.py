@@ -196,7 +196,9 @@ def _as_good_in_words(sweep: Sweep) -> str:
         ratios = [point.d_max_over_distance for point in curve.as_good]
         if ratios:
             low, high = f"{min(ratios):.3f}", f"{max(ratios):.3f}"
-            parts.append(f"{low if low == high else f'{low} to {high}'} for σ_v = {quantity(curve.sigma, 'm/s', '.3g')}")
+            parts.append(
+                f"{low if low == high else f'{low} to {high}'} for σ_v = {quantity(curve.sigma, 'm/s', '.3g')}"
+            )
     return (
         "As good as the best, as far as these trials show (cost higher by less than two standard errors of the paired "
         f"difference), is a d_max of these shares of the distance: {'; '.join(parts)}."
