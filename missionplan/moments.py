@@ -12,6 +12,8 @@ EXAMPLE = "2026-06-01T04:00Z"
 """A moment as messages write one."""
 EPOCH_SCALE = 1e8
 """Times above this are seconds since 1970, not since some start [s]."""
+YET_TO_COME = 100.0 * 31_556_952.0
+"""Later than this is nothing that was measured: days of spreadsheets counted from 1970 are [s since 1970]."""
 _ISO = re.compile(
     r"(?P<year>[+-]?\d{1,4})-(?P<month>\d{1,2})-(?P<day>\d{1,2})"
     r"(?:(?:[Tt]|\s+)(?P<hour>\d{1,2})(?::(?P<minute>\d{1,2})(?::(?P<second>\d{1,2})(?:[.,](?P<part>\d*))?)?)?)?"

@@ -23,7 +23,7 @@ from missionplan.datasets.csv_cells import (
     read_header,
 )
 from missionplan.errors import UNPRINTABLE, InputError, Problem, counted
-from missionplan.moments import EPOCH_SCALE, epoch_seconds
+from missionplan.moments import EPOCH_SCALE, YET_TO_COME, epoch_seconds
 
 MAX_SHOWN = 5
 """Problems of one sort that are reported one by one; the rest are counted."""
@@ -96,12 +96,14 @@ def times_from(cells: "pd.Series[Any]", zero: float | None, file: str) -> "pd.Se
     """Read the times of a record as seconds from a zero, nan where a cell holds none.
 
     Times by ISO 8601 and seconds since 1970 are counted from there, other seconds count from it already. Raises
-    InputError where they are dates and the zero is not known [s since 1970].
+    InputError where they are dates and the zero is not known [s since 1970], or of another age.
     """
     moments = epoch_seconds(cells.astype(str))
     is_date = (moments > EPOCH_SCALE) | pd.to_numeric(cells, errors="coerce").isna()
     if zero is None and moments[is_date].notna().any():
         raise InputError([Problem("its times are of the day: the mission needs its `start` (UTC)", file)])
+    if moments.max() > YET_TO_COME:
+        raise InputError([Problem("its times are yet to come", file, hint="are they seconds, or another unit?")])
     return moments - is_date * (zero or 0.0)
 
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from missionplan.arrays import Array
 from missionplan.errors import InputError, Problem
+from missionplan.moments import YET_TO_COME
 
 _NONE = np.empty(0)
 _SAME_PLACE = 1e-4
@@ -231,9 +232,8 @@ class Track:
 _GREATEST = {"depth": 12_000.0, "pitch": 180.0, "heading": 360.0, "speed": 12.0, "declination": 180.0}
 """Size of a quantity beyond which it is none, but a value that stands for none, in the track's units."""
 _YEAR = 31_556_952.0
-_FIRST, _LAST = 10.0 * _YEAR, 100.0 * _YEAR
-"""Satellites of navigation have told times since 1980; what counts days of spreadsheets from 1970 is of 2070 and later
-[s since 1970]."""
+_FIRST = 10.0 * _YEAR
+"""Satellites of navigation have told times since 1980 [s since 1970]."""
 _MOST = 0.5
 """Share of such readings from which on the unit is another one."""
 
@@ -246,9 +246,9 @@ def possible(track: Track) -> Track:
     hint = "are they in another unit than said?"
     kept: dict[str, Any] = {}
     notices = []
-    if len(track.fixes) and not _FIRST < track.fixes.t[0] <= track.fixes.t[-1] < _LAST:
+    if len(track.fixes) and not _FIRST < track.fixes.t[0] <= track.fixes.t[-1] < YET_TO_COME:
         told = f"the times of its fixes are of the years from {1970.0 + track.fixes.t[0] / _YEAR:.0f} on"
-        if track.fixes.t[-1] >= _LAST:
+        if track.fixes.t[-1] >= YET_TO_COME:
             raise InputError([Problem(told, hint=hint)])
         notices.append(f"{told}: they have no date that tides or the magnetic field could be known by")
     for name, greatest in _GREATEST.items():

@@ -68,6 +68,8 @@ WIND = Carried(
 _OF_UNITS = {"degreenorth": "latitude", "degreen": "latitude", "degreeeast": "longitude", "degreee": "longitude"}
 _MODELS_SPEEDS = ("horizontalVelX", "horizontalVelY")
 """Velocities of SCHISM, which writes them in m/s and without `units`."""
+_OTHER_WAY = ("north|(^|_)y_", "east|(^|_)x_")
+"""Of the standard name of a component, what is the other's."""
 _FILLS = 3
 """At fewer places no number stands for none."""
 MEMBER_DIMENSIONS = ("member", "ensemble", "ensemble_member", "realization", "number", "ens")
@@ -193,6 +195,16 @@ class FieldFiles:
         """
         return depths(self.variable(name), self.fixed(name, window), otherwise)
 
+    def component(self, name: str, number: int) -> float:
+        """Return what turns a component of the velocity into m/s: 0 toward east or along rows, 1 the other.
+
+        Raises InputError or FieldAttributeError when it is one of something else, the other one, or in no unit of it.
+        """
+        standard = word(self.variable(name), "standard_name").lower()
+        if re.search(f"{self.carries.other}|{_OTHER_WAY[number]}", standard):
+            raise self.problem(f"{name} is a {standard}; expected the {self.carries.name} toward east and north")
+        return speed_factor(self.variable(name), "m/s" if name in _MODELS_SPEEDS else "")
+
     def has_times(self, name: str) -> bool:
         """Whether a variable changes in time."""
         found = self.variable(name)
@@ -272,12 +284,8 @@ def velocities(
     filled = undeclared_fill(*parts)
     if filled is not None:
         raise files.problem(f"{names[0]} and {names[1]} are both {filled:g} at many places, which is no current", hint)
-    for name, values in zip(names, parts, strict=True):
-        standard = word(files.variable(name), "standard_name").lower()
-        if re.search(files.carries.other, standard):
-            raise files.problem(f"{name} is a {standard}; expected the {files.carries.name} toward east and north")
-        factor = speed_factor(files.variable(name), "m/s" if name in _MODELS_SPEEDS else "")
-        part = values * np.float32(factor)
+    for number, (name, values) in enumerate(zip(names, parts, strict=True)):
+        part = values * np.float32(files.component(name, number))
         scaled.append(part)
         known = part[np.isfinite(part)]
         if known.size and float(np.abs(known).max()) > fastest:

@@ -20,6 +20,7 @@ from missionplan.scenario.currents.files import FieldFiles, Moments, Window, sta
 
 LATITUDE = ("latitude", "lat", "Latitude")
 LONGITUDE = ("longitude", "lon", "Longitude")
+TO_THE_MIDDLES = "bring both to the middles of the cells first"
 REACH = np.radians(8.0)
 """Of a field, what is this far from the origin is looked at [rad]: 890 km, farther than a mission may go."""
 
@@ -41,6 +42,8 @@ def read_regular(files: FieldFiles, area: Area) -> GriddedCurrent:
     dims = [str(dim) for dim in files.variable(u).dims]
     rows, columns = (str(files.variable(name).dims[0]) for name in (latitude, longitude))
     across = [dim for dim in dims[1:] if dim not in (rows, columns)]
+    if not all({rows, columns} <= set(files.variable(name).dims) for name in (u, v)):
+        raise files.problem(f"{u} and {v} do not both lie along {rows} and {columns}", TO_THE_MIDDLES)
     north, east, window, picked = _axes(files, area, (latitude, longitude))
     moments = area.kept(files.moments(u))
     order = [*across, rows, columns]
@@ -162,8 +165,8 @@ def _check_one_place(files: FieldFiles, longitude: str, names: tuple[str, str]) 
     if found[0] is not found[1] and all(longitude in each.variables for each in found):
         first, second = (each[longitude].to_numpy() for each in found)
         if first.shape != second.shape or not np.allclose(first, second, atol=_SAME, equal_nan=True):
-            hint = "bring both to the middles of the cells first"
-            raise files.problem(f"{names[0]} and {names[1]} are at other places: {longitude} is another", hint)
+            message = f"{names[0]} and {names[1]} are at other places: {longitude} is another"
+            raise files.problem(message, TO_THE_MIDDLES)
 
 
 def _part(files: FieldFiles, area: Area, u: str, *, staggered: bool) -> _Part:

@@ -19,7 +19,7 @@ from missionplan.errors import InputError, Problem
 from missionplan.moments import EPOCH_SCALE, is_since, utc
 from missionplan.results import Provenance, Result, to_csv, to_yaml
 from missionplan.results.entries import Entry, Record
-from missionplan.scenario.currents.attributes import FieldAttributeError, depths, moments, speed_factor
+from missionplan.scenario.currents.attributes import FieldAttributeError, depths, moments, valid, word
 from missionplan.scenario.currents.files import FieldFiles, undeclared_fill
 from missionplan.scenario.currents.reading import CURRENT_LIMITS, MAX_BYTES, opened
 
@@ -171,6 +171,8 @@ FASTEST, DEEPEST = CURRENT_LIMITS["east_m_s"], CURRENT_LIMITS["depth_m"]
 COLUMNS = tuple(CURRENT_LIMITS)
 NETCDF = (".nc", ".nc4", ".cdf", ".netcdf")
 _LISTED = 20
+_BAD = (3, 4, 9)
+"""Flags of OceanSITES (reference table 2) and QARTOD: bad, or suspect; bad; missing."""
 _STANDARD = {
     "east": ("eastward_sea_water_velocity",),
     "north": ("northward_sea_water_velocity",),
@@ -259,7 +261,7 @@ def _check_cells(
 
 
 def _of_files(files: FieldFiles) -> CurrentRecord:
-    east, north = (_variable(files, key).squeeze(drop=True) for key in ("east", "north"))
+    east, north = (_good(files, _variable(files, key)).squeeze(drop=True) for key in ("east", "north"))
     time = _variable(files, "time")
     if not is_since(time.attrs.get("units")) or time.ndim != 1:
         raise files.problem("its times are no dates along one dimension")
@@ -270,13 +272,15 @@ def _of_files(files: FieldFiles) -> CurrentRecord:
     axis = _variable(files, "depth")
     depth = np.atleast_1d(depths(axis, axis.squeeze().to_numpy().astype(float)))
     seconds = (moments(time) - np.datetime64(0, "s")) / np.timedelta64(1, "s")
+    if len(np.unique(seconds)) < len(seconds):
+        raise files.problem("has times that stand twice")
     order, down = np.argsort(seconds), np.argsort(depth)
     dims = (time.dims[0], *others)
     written = [each.transpose(*dims).to_numpy().astype(float).reshape(len(seconds), -1) for each in (east, north)]
     both = (written[0] == written[1]) & (written[0] == undeclared_fill(*written))
     values = [
-        _speeds(files, np.where(both, math.nan, each) * speed_factor(name))
-        for each, name in zip(written, (east, north), strict=True)
+        _speeds(files, np.where(both, math.nan, each) * files.component(str(name), number))
+        for number, (each, name) in enumerate(zip(written, (east.name, north.name), strict=True))
     ]
     if values[0].shape[1] != depth.size:
         raise files.problem(f"has {values[0].shape[1]} bins and {depth.size} depths")
@@ -286,6 +290,18 @@ def _of_files(files: FieldFiles) -> CurrentRecord:
         places = _variable(files, "latitude").to_numpy().astype(float).ravel()
         latitude = math.radians(float(places[0])) if places.size == 1 else math.nan
     return CurrentRecord(np.asarray(seconds, dtype=float)[order], depth[down], u, v, latitude)
+
+
+def _good(files: FieldFiles, component: "DataArray") -> "DataArray":
+    """Values of a component, nan where they are beyond the valid ones or its flag calls them bad or missing."""
+    found, others = component.copy(data=valid(component)), word(component, "ancillary_variables").split()
+    named = [
+        f"{component.name}_QC",
+        f"{component.name}_qc",
+        *(each for each in others if "flag" in each or "qc" in each),
+    ]
+    flag = files.named(*named)
+    return found if flag is None else found.where(~files.variable(flag).isin(_BAD))
 
 
 def _speeds(files: FieldFiles, found: Array) -> Array:

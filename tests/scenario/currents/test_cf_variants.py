@@ -203,6 +203,8 @@ REFUSED = {
     "radians": ({"lat": (np.radians(LATITUDE), {"units": "radian"})}, "lat is in 'radian'; expected degrees"),
     "two clocks": ({"time": (HOURS, {"units": "1"}), "deep": deep(), "zeta": zeta(0.0), "more": {name: (HOURS, {"units": "hours since 2026-06-01"}, ("time",)) for name in ("run", "valid")}}, "which of run, valid is the time"),
     "degrees_west": ({"lon": (-LONGITUDE, {"units": "degrees_west"})}, "lon is in 'degrees_west'; expected degrees east"),
+    "components exchanged": ({"speed": (1.0, {name: {"units": "m s-1", "standard_name": f"{way}_sea_water_velocity"}
+        for name, way in (("u", "northward"), ("v", "eastward"))})}, "u is a northward_sea_water_velocity; expected"),
     "swapped": ({"lat": (LATITUDE, {"units": "degrees_east"})}, "lat is in 'degrees_east'; expected degrees north"),
     "another pole": ({"lat": (LATITUDE, {"units": "degrees", "standard_name": "grid_latitude"})}, "about another pole"),
     "rows in km": ({"lat": (LATITUDE, {"units": "km"}), "lon": (LONGITUDE, {"units": "km"})}, "in metres; expected rows"),
@@ -286,6 +288,16 @@ def test_velocities_of_two_files_are_at_one_place(tmp_path, plain):
                 read_field(paths, area, "field")
         else:
             assert read_field(paths, area, "field").depth[0] == pytest.approx(DEPTHS[0])
+
+
+def test_components_on_axes_of_their_own_are_asked_to_be_brought_together(tmp_path):
+    xarray = pytest.importorskip("xarray")
+    write(tmp_path / "plain.nc")
+    with xarray.open_dataset(tmp_path / "plain.nc", decode_times=False) as field:
+        field["v"] = field["v"].rename(lat="lat_v").assign_coords(lat_v=field["lat"].to_numpy() - 0.05)
+        field.to_netcdf(tmp_path / "field.nc")
+    with pytest.raises(InputError, match=r"u and v do not both lie along lat and lon .bring both to the middles"):
+        drift(tmp_path / "field.nc")
 
 
 def test_a_record_at_one_place_is_named(tmp_path):

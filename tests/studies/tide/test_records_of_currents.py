@@ -76,6 +76,38 @@ def test_what_stands_for_none_in_both_components_is_no_current(tmp_path, monkeyp
     assert np.isnan(found.east).sum() == np.isnan(found.north).sum() == 4
 
 
+def test_what_flags_call_bad_or_ranges_not_valid_is_no_current(tmp_path):
+    xarray = pytest.importorskip("xarray", reason="xarray is not installed")
+    path = tmp_path / "adcp.nc"
+    profiler(path, names=("UCUR", "VCUR"))
+    with xarray.open_dataset(path, decode_times=False) as file:
+        plain = file.load()
+    flags = ("time", "depth"), np.array([[1, 1, 2], [4, 1, 1], [1, 1, 9], [1, 3, 1]], dtype="int8")
+    is_bad = np.isin(flags[1], (3, 4, 9))
+    for name, told in (("UCUR_QC", ""), ("UCUR_flag", "UCUR_flag note")):
+        flagged = plain.assign({name: flags})
+        flagged["UCUR"].attrs["ancillary_variables"] = told
+        flagged.to_netcdf(path)
+        np.testing.assert_array_equal(np.isnan(read_current_record(path).east), is_bad | np.isnan(EAST))
+    plain["UCUR"].attrs = {"units": "m s-1", "valid_max": 0.85}
+    plain.to_netcdf(path)
+    np.testing.assert_array_equal(np.isnan(read_current_record(path).east), ~(EAST <= 0.85))
+
+
+def test_components_of_another_way_and_times_that_stand_twice_are_refused(tmp_path):
+    for ways in (("north", "east"), ("west", "north")):
+        with pytest.raises(
+            InputError, match=f"u is a {ways[0]}ward_sea_water_velocity; expected the current toward east"
+        ):
+            profiler(tmp_path / "adcp.nc", standard=[f"{way}ward_sea_water_velocity" for way in ways])
+    with pytest.raises(InputError, match="has times that stand twice"):
+        profiler(tmp_path / "adcp.nc", order=[0, 1, 1, 2])
+    rows = pd.DataFrame({"t_s": 1e3 * TIME, "depth_m": 5.0, "east_m_s": EAST[:, 0], "north_m_s": NORTH[:, 0]})
+    rows.to_csv(tmp_path / "ms.csv", index=False)
+    with pytest.raises(InputError, match=r"ms\.csv: its times are yet to come"):
+        read_current_record(tmp_path / "ms.csv")
+
+
 def test_a_csv_in_any_order_of_rows_with_gaps(tmp_path):
     rows = pd.DataFrame(
         [(TIME[k], DEPTH[m], EAST[k, m], NORTH[k, m]) for k in range(4) for m in range(3)],
