@@ -20,6 +20,7 @@ from missionplan.montecarlo.streams import sized_blocks
 from missionplan.results import Provenance
 from missionplan.results.decision import Aim
 from missionplan.store.folder import as_path, is_folder
+from missionplan.studies import judgement
 from missionplan.studies.comparison.differing_values import differing_values
 from missionplan.studies.comparison.reported_choices import CHOOSING, aim_of, check_kinds, reported_alternative
 from missionplan.studies.comparison.result import DECIDES, Alternative, Alternatives, Comparison, Contrast, Estimate
@@ -57,6 +58,7 @@ def compare_missions(
     aim = aim_of([each.summary for each in sources])
     best = min(range(len(entries)), key=lambda index: _rank(entries[index], aim))
     columns = [run.columns if run is not None else {} for run in found]
+    own = sources[best].mission
     return Alternatives(
         provenance=Provenance(
             command="compare",
@@ -78,6 +80,7 @@ def compare_missions(
         compared=compared,
         aim=aim,
         differing=differing_values([each.data for each in sources]),
+        assumptions=() if own is None else judgement.ledger(own, entries[best].seed),
     )
 
 

@@ -8,7 +8,7 @@ import pandas as pd
 
 from missionplan.montecarlo.statistics import Probability
 from missionplan.results import Provenance, Result, to_csv
-from missionplan.results.decision import Aim
+from missionplan.results.decision import Aim, Assumption
 from missionplan.results.entries import Entry, Record
 from missionplan.results.simulation import RequirementOutcome
 from missionplan.studies.comparison.differing_values import (
@@ -274,6 +274,13 @@ class Alternatives(Result):
     ] = "simulate"
     aim: Annotated[Aim, Entry("what is compared first")] = "success"
     differing: Annotated[tuple[DifferingValue, ...], Entry("values in which the missions differ")] = ()
+    assumptions: tuple[Assumption, ...] = ()
+    """Of the best, where it is a mission."""
+
+    @property
+    def assumed(self) -> tuple[Assumption, ...]:
+        """What the best takes for granted."""
+        return self.assumptions
 
     @property
     def task_differs(self) -> Mapping[PartOfTask, Sequence[str]]:

@@ -249,6 +249,9 @@ def test_missions_are_compared_in_python_by_their_names():
     found = missionplan.compare(slow, fast, trials=40, seed=1)
     assert [each.name for each in found.alternatives] == ["1.2 m/s", "1.3 m/s"]
     assert [tick.get_text() for tick in found.plot().get_yticklabels()] == ["1.2 m/s", "1.3 m/s"]
+    still, *_ = found.decision_for_crew().assumes  # of the better one
+    assert (still.what, still.turns) == ("there is no current", True)
+    assert "But this assumes that there is no current" in terminal_view(found).sentence
 
 
 def with_identity(summary, **changed):
