@@ -1,8 +1,4 @@
-"""What a dive responds to, outside of every cause with a name: a force or a reading that follows something.
-
-Each says what acts (lift, drag, weight, a reading, a halt) and what it follows (depth, speed, time, the line), and
-names no cause.
-"""
+"""What a dive responds to, outside of every cause with a name: a force or a reading, and what it follows."""
 
 import re
 from collections.abc import Mapping
@@ -12,7 +8,7 @@ from typing import Literal
 import numpy as np
 import scipy
 
-from missionplan.arrays import Array, Scalars
+from missionplan.arrays import Array, Scalars, row_and_next
 from missionplan.effects.dive_log import LinePayout
 from missionplan.effects.info import EffectInfo, Finding, Parameter
 from missionplan.phases.hooks import DescentEffect
@@ -138,6 +134,25 @@ class ReadingByTime(DescentEffect):
         """Return the depth that the sensor reads [m]."""
         since = t.reshape(-1, *(1,) * (depth.ndim - 1))
         return np.asarray(depth - self.offset * np.expm1(-since / self.time))
+
+
+@dataclass(frozen=True)
+class ReadingAtFirst(DescentEffect):
+    """Error of the depth read that is `offset` [m] when the vehicle begins to sink, and fades over `time` [s].
+
+    So do mud that leaves the sensor's port, and a sensor's shock of pressure or cold. At rest nothing is read higher.
+    """
+
+    offset: Scalars = 0.0
+    time: Scalars = 1.5
+
+    def reading(self, t: Array, depth: Array) -> Array:
+        """Return the depth that the sensor reads [m]."""
+        row = np.minimum(np.argmax(depth > 0.0, axis=0), len(t) - 2)
+        low, high = row_and_next(depth, row)
+        begin = t[row] - (t[1] - t[0]) * np.minimum(low / np.maximum(high - low, 1e-9), 1.0)
+        error = self.offset * np.exp(-np.maximum(t[:, None] - begin, 0.0) / self.time)
+        return np.asarray(depth + np.where(depth > 0.0, np.maximum(error, -depth), 0.0))
 
 
 def _approach(place: Scalars, start: Scalars, over: Scalars) -> Array:
@@ -288,6 +303,18 @@ RESPONSES = (
         },
         "an error of the depth read that changes with time",
         "in the course of a dive the depth sensor comes to read {size} too [deep|shallow]",
+        changes_plan=False,
+    ),
+    _response(
+        "reading-at-first",
+        "time",
+        ReadingAtFirst,
+        {
+            "offset": Parameter("m", "error of the depth read at first", -20.0, 20.0, scale=0.5, spike=5e-4),
+            "time": _start("s", "time over which it fades", 1.5, 2.5, 1.5),
+        },
+        "an error of the depth read that fades with time",
+        "when the dive begins the depth sensor reads {size} too [deep|shallow], and comes right",
         changes_plan=False,
     ),
 )

@@ -11,6 +11,7 @@ from missionplan.effects.dive_responses import (
     DragBySpeed,
     LiftByDepth,
     LiftInLayer,
+    ReadingAtFirst,
     ReadingByTime,
     WeightFromMoment,
     WeightUntilMoment,
@@ -73,6 +74,17 @@ def test_a_reading_drifts_to_its_offset():
     found = ReadingByTime(0.4, 5.0).reading(T, STEADY) - STEADY
     assert found[0] == 0.0
     assert found[50] == pytest.approx(0.4 * (1.0 - np.exp(-1.0)))
+
+
+def test_a_reading_that_errs_at_first_comes_right_and_never_lies_above_the_surface():
+    depth = 1.5 * np.maximum(T - 2.04, 0.0)[:, None] * np.array([1.0, 0.5])
+    found = ReadingAtFirst(offset=-0.4, time=1.0).reading(T, depth)
+    wanted = np.maximum(depth - 0.4 * np.exp(-(T - 2.04))[:, None], 0.0)
+    np.testing.assert_allclose(found[21:], wanted[21:], atol=1e-12)
+    assert np.all(found[:21] == 0.0)
+    late = ReadingAtFirst(offset=0.4, time=1.0).reading(T, depth)
+    assert np.all(late[:21] == 0.0)
+    np.testing.assert_allclose(late[21:] - depth[21:], 0.4 * np.exp(-(T[21:] - 2.04))[:, None] * [1.0, 1.0], atol=1e-12)
 
 
 def test_an_anchor_is_sized_for_drag_that_is_there_at_depth():

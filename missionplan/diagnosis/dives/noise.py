@@ -65,12 +65,7 @@ NOMINAL_NOISE = Noise(1.0, DIFFUSION_MEDIAN, NOMINAL_EDDY_TIME, 0.0)
 def sensor_and_turbulence_covariance(t: Array, sd: Array, noises: Sequence[Noise]) -> Array:
     """σ²I + q·(turbulence), which no model of the dive changes, at each of g noises, shape (g, m, m) [m²].
 
-    Parameters
-    ----------
-    t, sd : array, shape (m,)
-        Times [s] and the sensor's standard deviations [m].
-    noises : sequence of Noise, length g
-        Hyperparameters.
+    `t`, `sd`, shape (m,): times [s] and the sensor's standard deviations [m].
     """
     since = t - min(0.0, float(t.min()))
     turbulence = {time: integrated_velocity_covariance(since, time) for time in {noise.eddy_time for noise in noises}}
@@ -83,12 +78,7 @@ def integrated_velocity_covariance(t: Array, eddy_time: float) -> Array:
     The integral of an Ornstein–Uhlenbeck velocity with time scale τ (Taylor 1921; Uhlenbeck & Ornstein 1930):
     min(t, t′) − ½τ(1 − e^(−t/τ) − e^(−t′/τ) + e^(−|t − t′|/τ)), a random walk for τ → 0.
 
-    Parameters
-    ----------
-    t : array, shape (m,)
-        Times since the separation [s].
-    eddy_time : float
-        τ [s].
+    `t`, shape (m,): times since the separation [s]. `eddy_time`: τ [s].
     """
     faded = np.exp(-t / eddy_time)
     apart = np.exp(-np.abs(t[:, None] - t[None, :]) / eddy_time)
@@ -101,14 +91,8 @@ def dive_to_dive_covariance(sensitivities: Array, curvature: Array, noises: Sequ
 
     Random effects of each dive (Laird & Ware 1982), to first order, with the second-order term c of the release delay.
 
-    Parameters
-    ----------
-    sensitivities : array, shape (m, 4)
-        J, of the readings to release delay, zero, drag and weight, in the order of `DIVE_SD`.
-    curvature : array, shape (m,)
-        c [m].
-    noises : sequence of Noise, length g
-        Hyperparameters.
+    `sensitivities`, shape (m, 4): J, of the readings to what `DIVE_SD` lists, in its order. `curvature`, shape (m,): c
+    [m].
     """
     scaled = sensitivities * np.array(list(DIVE_SD.values()))
     scatter = np.array([noise.scatter for noise in noises])
@@ -121,10 +105,7 @@ def shape_error_covariance(t: Array, added: Array) -> Array:
     Model discrepancy (Kennedy & O'Hagan 2001) in proportion to what a cause adds to the readings, g, with a
     squared-exponential correlation (Rasmussen & Williams 2006, Eq. 4.9).
 
-    Parameters
-    ----------
-    t, added : array, shape (m,)
-        Times [s] and g [m].
+    `t`, `added`, shape (m,): times [s] and g [m].
     """
     length = SHAPE_LENGTH * max(float(np.ptp(t)), 1e-9)
     kernel = np.exp(-0.5 * ((t[:, None] - t[None, :]) / length) ** 2)

@@ -140,10 +140,7 @@ def _prepare(dive: MeasuredDive, stated: float | None, notices: list[str]) -> Di
 def levels_off_at(t: Array, depth: Array) -> float:
     """Return the depth at which a log ends level, as after touchdown; infinite where it ends in the descent [m].
 
-    Parameters
-    ----------
-    t, depth : array, shape (m,)
-        Times [s] and readings [m].
+    `t`, `depth`, shape (m,): times [s] and readings [m].
     """
     level = float(np.quantile(depth, LEVEL_QUANTILE))
     near, nearer = (int(np.argmax(depth >= share * level)) for share in LEVEL_SHARES)
@@ -157,10 +154,7 @@ def slows_at(t: Array, depth: Array) -> float:
     A line with one bend is fitted to the end of the log, the bend where the squares are least (Hinkley 1969,
     *Biometrika* 56).
 
-    Parameters
-    ----------
-    t, depth : array, shape (m,)
-        Times [s] and readings [m].
+    `t`, `depth`, shape (m,): times [s] and readings [m].
     """
     deepest = float(depth.max())
     begin = int(np.argmax(depth >= STRUCK_SHARES[0] * deepest))
@@ -194,10 +188,7 @@ def estimate_noise(t: Array, depth: Array) -> float:
     not be even; of these the median of the absolute values (Rousseeuw & Croux 1993). A quantised reading can have a
     median of zero; then the root mean square.
 
-    Parameters
-    ----------
-    t, depth : array, shape (m,)
-        Times [s] and readings [m].
+    `t`, `depth`, shape (m,): times [s] and readings [m].
     """
     share = (t[1:-1] - t[:-2]) / (t[2:] - t[:-2])
     distance = depth[1:-1] - (1.0 - share) * depth[:-2] - share * depth[2:]

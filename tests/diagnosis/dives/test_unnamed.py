@@ -7,6 +7,7 @@ import pytest
 from missionplan import diagnose
 from missionplan.report.diagnosis.page import answer
 from tests.hidden_effects.cases import draw_case
+from tests.hidden_effects.dives import draw_worth
 
 
 def diagnosed(case, folder):
@@ -29,6 +30,13 @@ def test_what_has_no_name_is_described(seed, effect, found_as, tmp_path):
     found = diagnosed(draw_case(seed, "descent", "outside", effect), tmp_path)
     assert found.verdict == "unexplained"
     assert found.causes == (found_as,)
+
+
+@pytest.mark.slow
+def test_a_port_that_mud_leaves_as_a_dive_begins_is_no_place_of_the_sensor(tmp_path):
+    found = diagnosed(draw_worth(43_700_007, "plugged-port", (6.0, 20.0)), tmp_path)
+    assert found.verdict == "unexplained"
+    assert found.causes == ("reading-at-first",)
 
 
 @pytest.mark.slow
