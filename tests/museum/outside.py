@@ -234,13 +234,14 @@ def beyond_the_named(log: Log, errors: Array) -> float:
     """Nats that errors add to a log beyond what named effects could be.
 
     Half the squared size of what least squares leaves over the noise of the legs: of a current with a shear and a tide, a
-    scale of the speed, and errors of the compass: constant, by heading, by depth, and from the best of some moments on.
+    scale of the speed and a loss beyond the middle one, an answer to the current, sideslip, and errors of the compass:
+    constant, by heading, by depth, and from the best of some moments on.
     """
     noise = np.sqrt(log.sigma**2 + 2.0 * log.fix**2 / log.under_way**2)[:, None]
     left = []
     for after in (np.zeros_like(log.headings), *np.tri(len(log.headings))[:: max(len(log.headings) // 6, 1)]):
         found = least_squares(
-            lambda sizes, after=after: ((errors - _named(log, sizes, after)) / noise).ravel(), np.zeros(16)
+            lambda sizes, after=after: ((errors - _named(log, sizes, after)) / noise).ravel(), np.zeros(19)
         )
         left.append(float(found.cost))
     return min(left)
@@ -250,12 +251,15 @@ def _named(log: Log, sizes: Array, after: Array) -> Array:
     """Velocity errors of named effects of these sizes, the jump of the compass where `after` is one, shape (n, 2)."""
     sin, cos = np.sin(log.headings), np.cos(log.headings)
     turn = sizes[0] + sizes[1] * sin + sizes[2] * cos + sizes[3] * log.depths / 100.0 + sizes[4] * after
-    course, pace = log.headings + turn, log.speeds * (1.0 + sizes[5])
+    turn = turn + sizes[16] / log.speeds**2
+    lost = np.maximum(log.speeds - np.median(log.speeds), 0.0)
+    course, pace = log.headings + turn, log.speeds * (1.0 + sizes[5]) - sizes[17] * lost
     through = pace * np.array([np.sin(course), np.cos(course)]) - log.speeds * np.array([sin, cos])
     shear = 1e-4 * sizes[8:12].reshape(2, 2) @ _middles(log)
     angle = 2.0 * np.pi / TIDE * (np.cumsum(log.under_way + log.surface) - 0.5 * log.under_way)
-    tide = sizes[12:].reshape(2, 2) @ np.array([np.sin(angle), np.cos(angle)])
-    return (through + sizes[6:8, None] + shear + tide).T
+    tide = sizes[12:16].reshape(2, 2) @ np.array([np.sin(angle), np.cos(angle)])
+    answer = sizes[18] * (sizes[6] * sin + sizes[7] * cos) * np.array([sin, cos])
+    return (through + sizes[6:8, None] + answer + shear + tide).T
 
 
 def _middles(log: Log) -> Array:

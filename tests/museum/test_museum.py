@@ -53,6 +53,11 @@ def test_named_effects_of_any_size_hold_nothing_beyond_the_named():
     log = drawn(np.random.default_rng(4), 40)
     large = Recipe(turn=lambda m: 0.4 + 0.5 * np.cos(m.heading), pace=lambda m: 1.2, water=lambda m: CURRENT)
     assert beyond_the_named(log, velocity_errors(log, large)) < 1e-6
+    log = replace(log, speeds=np.resize([1.0, 1.3, 1.6], len(log.speeds)))
+    slips = Recipe(turn=lambda m: 0.2 / m.speed**2 - 0.1, water=lambda m: CURRENT, along=0.4)
+    assert beyond_the_named(log, velocity_errors(log, slips)) < 1e-6
+    loses = Recipe(pace=lambda m: 1.0 - 0.3 * max(m.speed - 1.3, 0.0) / m.speed)
+    assert beyond_the_named(log, velocity_errors(log, loses)) < 1e-6
     twice = Recipe(turn=lambda m: 0.1 * np.cos(2.0 * m.heading))
     assert beyond_the_named(log, velocity_errors(log, twice)) > 20.0
 
