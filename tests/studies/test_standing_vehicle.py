@@ -13,7 +13,7 @@ from missionplan.mission import Mission
 from missionplan.phases.recorded_currents import SeriesCurrent
 from missionplan.report.anchor import drawing
 from missionplan.report.anchor.drawing import hold_section
-from missionplan.report.page import draw, drawing_by, style
+from missionplan.report.page import Table, draw, drawing_by, style
 from missionplan.report.simulation.page import answer
 from missionplan.report.simulation.quantities import requirement_in_words
 from missionplan.scenario.scenario import Scenario
@@ -71,7 +71,7 @@ def test_the_whole_of_line_and_vehicle_is_in_the_figure(file, monkeypatch):
 def test_a_line_of_which_only_the_diameter_is_known_is_told_with_what_polyester_would_change():
     held = stands(moor={"line_diameter": "4 mm"})
     assert held.if_polyester == pytest.approx(1.36, abs=0.02)
-    assert "Of polyester, the nose would stand 1.36" in "".join(map(str, hold_section(held).blocks))
+    assert "of polyester, the nose would stand 1.36" in "".join(map(str, hold_section(held).blocks))
     assert held.summary()["line_weight_assumed"]
     heavy = stands(moor={"line_diameter": "4 mm", "line_material": "polyester"})
     assert heavy.if_polyester is None
@@ -170,10 +170,16 @@ def test_a_current_that_stays_as_it_is_is_told_once():
 
 def test_the_report_says_what_it_assumed():
     with style():
-        words = [block for block in hold_section(stands()).blocks if isinstance(block, str)]
-        assert any("holding factor of 0.4 is assumed" in text for text in words)
         given = replace(stands(), friction_given=True, centres_given=True)
-        assert not any("assumed" in str(block) for block in hold_section(given).blocks if isinstance(block, str))
+        bare, told = (
+            [each.caption for each in hold_section(held).blocks if isinstance(each, Table)]
+            for held in (stands(), given)
+        )
+    assert (
+        "a holding factor of 0.4 (assumed: 0.2 on clay to 0.6 on sand), the net buoyancy at mid-length (assumed"
+        in bare[0]
+    )
+    assert "assumed" not in told[0]
 
 
 def test_simulate_has_it_in_summary_and_report():

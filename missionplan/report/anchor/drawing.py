@@ -1,7 +1,7 @@
 """To scale: an anchor in section, in millimetres from its tip, and a mooring's vehicle on its line."""
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -169,30 +169,25 @@ def hold_section(held: HeldVehicle, *, alone: bool = True) -> PageSection:
     table = Table(
         ("", *(state.current for state in states)),
         [(label, *map(cell, states)) for label, cell in _ROWS],
-        f"With an anchor of {quantity(held.anchor_weight, 'N', '.3g')} wet and a holding factor of {held.friction:g}.",
+        _held_by(held),
     )
-    return PageSection(heading, [hold_figure(held), table, *held.remedies, *_assumptions(held)])
+    return PageSection(heading, [hold_figure(held), table, *held.remedies])
 
 
-def _assumptions(held: HeldVehicle) -> Iterator[str]:
-    """Write what the mission does not say."""
+def _held_by(held: HeldVehicle) -> str:
+    """Write what holds the vehicle where it is, and what of it the mission does not say."""
+    words = f"{quantity(held.anchor_weight, 'N', '.3g')} wet and a holding factor of {held.friction:g}"
     if not held.friction_given:
-        yield (
-            f"The holding factor of {held.friction:g} is assumed (0.2 on clay to 0.6 on sand); with "
-            "“anchor.holding_factor” in the vehicle file an anchor that drags fails the mission."
-        )
-    if held.if_polyester is not None:
-        worst = held.states[-1]
-        yield (
-            f"The line is taken as weightless: “line_material” or “line_wet_weight” says what it weighs. Of polyester, "
-            f"the nose would stand {quantity(held.if_polyester, 'm', '.2f')} instead of "
-            f"{quantity(worst.nose_altitude, 'm', '.2f')} above the bottom in the {worst.current}."
-        )
+        words += " (assumed: 0.2 on clay to 0.6 on sand)"
     if not held.centres_given:
-        yield (
-            "The net buoyancy is assumed to act at mid-length, on the axis: “centre_of_gravity” and "
-            "“centre_of_buoyancy” in the vehicle file say where it does."
-        )
+        words += ", the net buoyancy at mid-length (assumed: centre_of_gravity, centre_of_buoyancy)"
+    if held.if_polyester is None:
+        return f"With an anchor of {words}."
+    nose = quantity(held.if_polyester, "m", ".2f")
+    return (
+        f"With an anchor of {words}. The line is taken as weightless (line_material): of polyester, the nose would "
+        f"stand {nose} above the bottom in the {held.states[-1].current}."
+    )
 
 
 _ROWS: tuple[tuple[str, Callable[[HeldState], str]], ...] = (
