@@ -114,6 +114,8 @@ def weighed(
     each = explained_missions(mission)
     bound = [bind_dataset(dataset, explained.mission, seed) for explained in each]
     bound = bound if part is None else [part(one) for one in bound]
+    here = [{entry.effect for entry in one.mission.effects} for one in bound]  # without what is of another place
+    each = tuple(replace(e, causes=tuple(c for c in e.causes if c in own)) for e, own in zip(each, here, strict=True))
     if len(each) == 1 or bound[0].is_known:
         return tuple(Weighed(one, data, None, math.log(one.prior)) for one, data in zip(each, bound, strict=True))
     fits = [fitted(one.model, [((), ())], jobs)[0] for one in bound]

@@ -188,11 +188,8 @@ def _weighed(measured: Measured, ageing: Ageing, sets: NDArray[np.bool_]) -> _Mo
     variances = np.square(sizes * [ageing.redrawn, ageing.walk, ageing.trend]).T
     count, n = len(laws), sets.shape[1]
     jumped = sets.sum(axis=1)
-    if ageing.is_jump > 0.0:
-        could = np.count_nonzero(measured.begins) - jumped
-        chances = jumped * math.log(ageing.is_jump) + could * math.log1p(-ageing.is_jump)
-    else:
-        chances = np.zeros(len(sets))
+    could = np.count_nonzero(measured.begins) - jumped
+    chances = scipy.special.xlogy(jumped, ageing.is_jump) + could * math.log1p(-ageing.is_jump)
     log_priors = np.repeat(chances, count) + np.tile(priors, len(sets))
     redrawn, walk, trend = np.tile(variances, len(sets))
     each = _Models(log_priors, redrawn, walk, trend, np.repeat(sets, count, axis=0))

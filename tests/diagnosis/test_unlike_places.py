@@ -9,6 +9,7 @@ import yaml
 
 import missionplan
 from missionplan.mission import Mission
+from missionplan.report.diagnosis.campaign import answer
 from missionplan.results.learned import Campaign
 from tests.fixtures import TRANSIT
 
@@ -59,5 +60,7 @@ def test_another_place_borrows_no_tide(tmp_path: Path, seed: int) -> None:
     assert "tidal-current" in there.causes
     alone = missionplan.diagnose(mission, second, plan=False)
     assert "tidal-current" not in (*here.known, *here.causes, *(each.effect for each in here.confirmed))
+    assert not any("tidal-current" in each.causes for each in here.explanations)
     assert (here.verdict, here.causes) == (alone.verdict, alone.causes)
+    assert "the extended mission carries all but tidal current" in answer(campaign)
     assert any("tidal-current was learned" in notice for notice in here.provenance.notices)

@@ -234,6 +234,8 @@ def test_several_data_sets_are_told_with_what_they_share_and_what_stays_in_doubt
     ]  # fmt: skip
     found.shared = ()
     assert " No two of them bore on the same effect." in campaign.answer(found)
+    found.informed_by = {"tidal-current": ("a",), "leeway": ("b",)}
+    assert "the extended mission carries all but tidal current, which" in campaign.answer(found)
     found.informed_by, two.levels = {}, ()
     assert campaign.answer(found).endswith("adequate for all 2 data sets: none asks for a cause.")
     one.nothing = 0.2

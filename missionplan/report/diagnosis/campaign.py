@@ -5,6 +5,7 @@ from dataclasses import replace
 
 from matplotlib.axes import Axes
 
+from missionplan.effects import CATALOGUE
 from missionplan.errors import InputError, Problem, shown
 from missionplan.mission.includes import hash_of
 from missionplan.report.diagnosis.evidence import draw_ranking
@@ -25,8 +26,7 @@ _PASSED_ON = (
     "the next begins with. Dives, summaries of dives and the drag of the tank share the vehicle's effects; legs "
     "share theirs with other legs, and have none in common with dives. σ_v is that of the last record of legs. The "
     "order is that of the kinds (tank, dives, legs), then of the dates, then of the names. Another order could change "
-    "what is claimed where an effect is weak in each record: one record alone must show it clearly (55 to 1) for it to "
-    "be claimed."
+    "what is claimed where an effect is weak in each record: one alone must show it (55 to 1) for it to be claimed."
 )
 
 
@@ -48,10 +48,12 @@ def page(campaign: Campaign) -> Page:
 
 def _sections(campaign: Campaign) -> list[PageSection]:
     rows = [[effect.replace("-", " "), ", ".join(names)] for effect, names in campaign.informed_by.items()]
-    heads = ["Effect", "Learned from"]
     sections = [
         PageSection("What each data set showed", [Table(COLUMNS, _rows(campaign), text_columns=5)]),
-        PageSection("What they share", [_PASSED_ON, *([Table(heads, rows, text_columns=2)] if rows else [])]),
+        PageSection(
+            "What they share",
+            [_PASSED_ON, *([Table(["Effect", "Learned from"], rows, text_columns=2)] if rows else [])],
+        ),
     ]
     for index, (each, name) in enumerate(zip(campaign.diagnoses, campaign.names, strict=True), start=1):
         figure = page_of(each).figure
@@ -78,13 +80,15 @@ def answer(campaign: Campaign) -> str:
     shared = ", ".join(effect.replace("-", " ") for effect in campaign.shared)
     more = f" More than one of them bore on {shared}." if shared else " No two of them bore on the same effect."
     told = dict.fromkeys(words for each in campaign.diagnoses if (words := finding_in_words(each)))
-    together = f"Together {many} data sets tell of {named}; one extended mission carries it all.{more}"
-    return " ".join([*told, together, *aged, *_doubts(campaign.extended)])
+    learned = mapping(mapping(campaign.extended.get("posterior")).get("summary"))
+    gone = tuple(each for each in found if each not in learned and CATALOGUE[each].belongs_to != "vehicle")
+    away = f"the extended mission carries all but {names(gone)}, which the mission of its own data set has"
+    carries = f"{away}: it was learned elsewhere or at another time" if gone else "one extended mission carries it all"
+    return " ".join([*told, f"Together {many} data sets tell of {named}; {carries}.{more}", *aged, *_doubts(learned)])
 
 
-def _doubts(extended: Mapping[str, object]) -> list[str]:
+def _doubts(learned: Mapping[str, object]) -> list[str]:
     """Say what the extended mission holds possible of which one holds."""
-    learned = mapping(mapping(extended.get("posterior")).get("summary"))
     shares = {name: real(mapping(known).get("probability")) for name, known in learned.items()}
     open_ = [f"{names((name,))} {percent(share)}" for name, share in shares.items() if LEFT < share < 1.0 - LEFT]
     return [f"Still in doubt: {', '.join(open_)}."] if open_ else []
