@@ -72,6 +72,10 @@ def test_where_nothing_is_saved_what_settles_it_is_recommended() -> None:
     (section,) = next_trial_section(found)
     assert section.heading == "The next trial"
     assert "as in next-trial.yaml in this folder: takes 28" in str(section.blocks[0])
+    (of_campaign,) = next_trial_section(found, "the folder 2-transit")
+    assert "as in next-trial.yaml in the folder 2-transit: takes 28" in str(of_campaign.blocks[0])
+    assert "next-trial.yaml in the report's folder: takes 28" in next_trial_told(found)
+    assert "next-trial.yaml in the report's folder 2-transit: takes 28" in next_trial_told(found, "2-transit")
     assert "For the plan no trial is worth it" in next_trial_told(found)
     assert next_trial_pointer(found)[0].startswith("Two opposite legs of 400 m: the trial worth making next")
     notes = [line for line in str(found.files()["next-trial.yaml"]).splitlines() if line.startswith("#")]

@@ -13,7 +13,7 @@ from missionplan.report.diagnosis.findings import LIKELIER, ageing_in_words, fin
 from missionplan.report.diagnosis.kind_report import names, percent
 from missionplan.report.diagnosis.page import answer as answer_of
 from missionplan.report.diagnosis.page import page as page_of
-from missionplan.report.diagnosis.plan import next_trial_section
+from missionplan.report.diagnosis.plan import next_trial_section, next_trial_told
 from missionplan.report.page import Block, Page, PageSection, Table, typed
 from missionplan.results.entries import mapping, real
 from missionplan.results.learned import Campaign
@@ -32,12 +32,13 @@ _PASSED_ON = (
 
 def page(campaign: Campaign) -> Page:
     """Build the page of a campaign."""
-    made = campaign.provenance
+    made, last = campaign.provenance, campaign.diagnoses[-1]
     folders = made.options["datasets"]
     given = [made.file, *(folders if isinstance(folders, list) else [])]
     return Page(
         title=f"Diagnosis of {made.mission} with {len(campaign.diagnoses)} data sets",
         answer=answer(campaign),
+        sentence=f"{answer(campaign)}{next_trial_told(last.next_trial, f'{len(campaign.diagnoses)}-{last.kind}')}",
         numbers=[("Data sets", str(len(campaign.diagnoses))), ("Effects learned of", str(len(campaign.informed_by)))],
         write=lambda: _sections(campaign),
         rerun=typed("diagnose", *given, seed=made.seed),
@@ -62,7 +63,7 @@ def _sections(campaign: Campaign) -> list[PageSection]:
             blocks.append(replace(figure, name=f"{figure.name}-{index}"))
         blocks.append(f"Everything about it is in the folder {index}-{each.kind}.")
         sections.append(PageSection(name, blocks))
-    return [*sections, *next_trial_section(campaign.diagnoses[-1].next_trial)]
+    return [*sections, *next_trial_section(campaign.diagnoses[-1].next_trial, f"the folder {index}-{each.kind}")]
 
 
 def answer(campaign: Campaign) -> str:

@@ -144,14 +144,14 @@ _NOTHING = "Nothing: no more than three standard errors."
 _NO_SHORE = "Times and energies are the trial's own, without the way there and back and without handling."
 
 
-def next_trial_section(found: NextTrial | None) -> list[PageSection]:
-    """Tell which trial is worth making next, or why none is."""
+def next_trial_section(found: NextTrial | None, folder: str = "this folder") -> list[PageSection]:
+    """Tell which trial is worth making next, or why none is; its mission lies in a folder."""
     if found is None:
         return []
     if found.reason is not None:
         return [PageSection("The next trial", [f"No trial was valued: {found.reason}."])]
     heading = "No trial is worth it" if found.recommended is None else "The next trial"
-    blocks: list[Block] = [next_trial_words(found), _assumptions(found)]
+    blocks: list[Block] = [next_trial_words(found).replace("this folder", folder), _assumptions(found)]
     phases = found.trial.get("phases") if found.trial is not None else None
     if isinstance(phases, list) and found.decides == "d_max_m" and len(phases) < MIN_LEGS:
         few = f"Fewer than {MIN_LEGS} legs are no data set of their own"
@@ -161,13 +161,13 @@ def next_trial_section(found: NextTrial | None) -> list[PageSection]:
     return [PageSection(heading, [*blocks, _designs(found)])]
 
 
-def next_trial_told(found: NextTrial | None) -> str:
-    """Tell it after the answer, on a terminal; empty where no trial was asked for."""
+def next_trial_told(found: NextTrial | None, folder: str = "") -> str:
+    """Tell it after the answer, on a terminal; empty where no trial was asked for. Its mission lies in a subfolder."""
     if found is None:
         return ""
     if found.reason is not None:
         return f" No trial was valued: {found.reason}."
-    words = next_trial_words(found).replace("in this folder", "in the report's folder")
+    words = next_trial_words(found).replace("in this folder", f"in the report's folder {folder}".strip())
     words = words.replace("The table says", "Its table says")
     return f" {words}" if found.recommended is None else f" Next trial: {words[:1].lower()}{words[1:]}"
 
