@@ -175,7 +175,8 @@ def features(plan: Plan, *, circles: bool = True) -> Iterator[Feature]:
             yield from _transit(phase, origin)
             centre, radius, kind = (phase.goal.east, phase.goal.north), phase.arrival_radius, "arrival circle"
         if circles:
-            yield _circle(phase.name, kind, centre, radius, origin)
+            ring, name = longitudes_latitudes(circle(centre, radius), origin), f"{phase.name}: {kind}, {radius:.3g} m"
+            yield area_feature(ring, kind, name=name, phase=phase.name, radius_m=radius)
     for fence in plan.fences:
         yield _areas_feature(areas(fence), fence.kind, name=fence.name, **fence.limits)
 
@@ -201,11 +202,6 @@ def _mooring(mooring: PlannedMooring, origin: Origin) -> Iterator[Feature]:
     row = mooring_row(mooring)
     del row["kind"]
     yield feature("Point", longitude_latitude(mooring, origin), "mooring", **row)
-
-
-def _circle(phase: str, kind: str, centre: tuple[float, float], radius: float, origin: Origin) -> Feature:
-    ring = longitudes_latitudes(circle(centre, radius), origin)
-    return area_feature(ring, kind, name=f"{phase}: {kind}, {radius:.3g} m", phase=phase, radius_m=radius)
 
 
 def line_feature(line: list[list[float]], kind: str, **properties: object) -> Feature:

@@ -89,7 +89,7 @@ def lost(plan: Plan) -> tuple[str, ...]:
 def files(plan: Plan, stem: str) -> dict[str, str | bytes]:
     """Write one file: the states in turn, by the variable PHASE; the helm is let loose by DEPLOY = true."""
     parts = [(phase, token(number.replace(".", "_"), phase.name)) for number, phase in plan.parts]
-    firsts = [_first(phase, name) for phase, name in parts]
+    firsts = [f"{name}_{'release' if isinstance(phase, PlannedMooring) else 'leg'}" for phase, name in parts]
     lines = [f"// {plain(line)}" for line in header(plan, TITLE, lost(plan))]
     lines += [f"// {line}" for line in _ASSUMED]
     lines += [
@@ -148,10 +148,6 @@ _ASSUMED = (
     "before the end of a leg, then on to its end, where the propeller stops, at the surface or below it.",
     "Assumed: the navigation takes a fix over at once and then posts a changed GPS_UPDATE_RECEIVED.",
 )
-
-
-def _first(phase: PlannedTransit | PlannedMooring, name: str) -> str:
-    return f"{name}_{'release' if isinstance(phase, PlannedMooring) else 'leg'}"
 
 
 def _enter(state: str) -> list[str]:

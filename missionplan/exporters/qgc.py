@@ -61,7 +61,8 @@ JUMPS = 1
 
 def executes(transit: PlannedTransit) -> Execution:
     """Return how the autopilot carries out a transit: through the legs' ends, at each of which it holds its place."""
-    points = np.array([(point.east, point.north) for point in _ends(transit)]).T
+    ends = (*transit.waypoints[1:-1], *[transit.goal] * (1 + JUMPS + transit.extra_legs))  # aimed off for no drift
+    points = np.array([(point.east, point.north) for point in ends]).T
     return Execution(ends="count", aim=points[:, -1], points=points, surface_time=_loiter(transit), holds=True)
 
 
@@ -165,11 +166,6 @@ def _item(number: int, command: int, frame: int, parameters: Sequence[object]) -
     if frame == RELATIVE_TO_HOME:
         item |= {"AMSLAltAboveTerrain": None, "Altitude": parameters[-1], "AltitudeMode": 1}
     return item
-
-
-def _ends(transit: PlannedTransit) -> list[Waypoint]:
-    """Ends of the legs, as they are sailed: with a fix the vehicle holds its place, and aims off for no drift."""
-    return [*transit.waypoints[1:-1], *[transit.goal] * (1 + JUMPS + transit.extra_legs)]
 
 
 def _loiter(transit: PlannedTransit) -> float:

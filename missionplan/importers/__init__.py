@@ -23,7 +23,7 @@ from missionplan.importers.cutting import LEG_COLUMNS, CutTrack, cut, leg_pictur
 from missionplan.importers.descents import descent_data, read_marks
 from missionplan.importers.dives import LegRules
 from missionplan.importers.geodesy import shifted, with_declination
-from missionplan.importers.importer import Identity, ReadOptions, SourceLog, known_importers
+from missionplan.importers.importer import ReadOptions, SourceLog, known_importers
 from missionplan.importers.judging import JUMPED
 from missionplan.importers.mapping import read_mapping
 from missionplan.importers.sources import Reading, Sources, find_sources, of_one
@@ -115,10 +115,10 @@ def import_logs(
     read = set(log.read)
     reading = Reading(
         track=track,
-        name=name or _name(track, identity),
+        name=name or ", ".join(filter(None, (f"{track.name} {identity.vehicle}".strip(), identity.deployment))),
         sources=tuple(SourceEntry(each.path.name, each.checksum) for each in found.files if each.path in read),
         passed_over=tuple(str(each) for each in (*log.passed_over, *found.passed_over)),
-        options=_options(track, kind, rules, names, shift_origin),
+        options=dict(format=track.format, kind=kind, map=list(names), shift_origin=shift_origin, **asdict(rules)),
         began=began,
     )
     with _naming_passed_over(log):
@@ -160,18 +160,6 @@ def _of_one_deployment(track: Track, begun: str | None) -> Track:
         message = f"no deployment {shown(begun)}; {message}"
     hint = f"choose one with --deployment {next(iter(parts), 'DATE')}"
     raise InputError([Problem(message, key="deployment", hint=hint)])
-
-
-def _name(track: Track, identity: Identity) -> str:
-    """Name of a data set: the vehicle's make and its own, and the deployment's."""
-    return ", ".join(filter(None, (" ".join(filter(None, (track.name, identity.vehicle))), identity.deployment)))
-
-
-def _options(
-    track: Track, kind: str, rules: LegRules, names: Sequence[str], shift_origin: tuple[float, float] | None
-) -> dict[str, object]:
-    """Options as the report tells them; the made-up origin is no secret, the true one is not told."""
-    return {"format": track.format, "kind": kind, "map": list(names), "shift_origin": shift_origin, **asdict(rules)}
 
 
 _DRAWN = 4000

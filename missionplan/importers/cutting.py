@@ -112,7 +112,8 @@ def _reckoned(
     track: Track, fixes: JudgedFixes, candidates: list[Candidate]
 ) -> tuple[str, list[Positions], str, list[str]]:
     """Dead-reckoned positions of each dive: `logged`, `moved` or `made`, where they come from, and notices."""
-    own = [track.reckoned.within(*_span(fixes, each)) for each in candidates]
+    after = [float(np.nextafter(fixes.good.t[each.before], np.inf)) for each in candidates]
+    own = [track.reckoned.within(t, each.reckoned_to) for t, each in zip(after, candidates, strict=True)]
     still = [_stands_still(line) for line in own]
     if can_be_made(track) and (not len(track.reckoned) or np.mean(still or [True]) > _MOST):
         by = "with speed" if len(track.speed) else "with pitch and depth rate"
@@ -124,11 +125,6 @@ def _reckoned(
         return "logged", own, track.reckoning, []
     notice = "the vehicle's position goes on across its fixes: each leg's is moved to start at the fix"
     return "moved", shifted, f"{track.reckoning}, each leg moved to start at its fix", [notice]
-
-
-def _span(fixes: JudgedFixes, candidate: Candidate) -> tuple[float, float]:
-    """Time after the fix before a dive, and until when positions are dead-reckoned from it [s]."""
-    return float(np.nextafter(fixes.good.t[candidate.before], np.inf)), candidate.reckoned_to
 
 
 def _stands_still(line: Positions) -> bool:

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import replace
 from importlib.resources import files
+from itertools import pairwise
 
 import numpy as np
 import pandas as pd
@@ -50,7 +51,7 @@ def descent_data(reading: Reading, marks: Sequence[float] = ()) -> ImportedData:
     starts, how = (marks, "as given") if len(marks) else (track.marks, "by the log's marks")
     if not len(starts):
         starts, how = separations_by_sinking(track.depth), _BY_SINKING
-    parts = [_dive(track.depth, float(start), _end(starts, k)) for k, start in enumerate(starts)]
+    parts = [_dive(track.depth, *map(float, each)) for each in pairwise([*starts, np.inf])]
     if not parts:
         message = f"no dive: the depth never grows by {STEADY:g} m/s for {STEADY_TIME:g} s below {LEAST_DEPTH:g} m"
         raise InputError([Problem(message, key="kind")])
@@ -138,10 +139,6 @@ def _first_step(depth: Series, k: int) -> int:
     while j > k and depth.values[j] - depth.values[j - 1] >= STEADY * (depth.t[j] - depth.t[j - 1]):
         j -= 1
     return j
-
-
-def _end(starts: Sequence[float], k: int) -> float:
-    return float(starts[k + 1]) if k + 1 < len(starts) else np.inf
 
 
 def _dive(depth: Series, start: float, end: float) -> Series:

@@ -214,7 +214,9 @@ def judge(dives: pd.DataFrame, track: Track, reckoned: Sequence[Positions], limi
             f"a gap in the log ({gap:.0f} s)" if gap > limits.longest_gap else "",
             _gap_at_surface(track, surfaced, end),
             _jump(line),
-            _short(end - start, limits.shortest),
+            f"shorter than {limits.shortest / 60.0:g} min ({(end - start) / 60.0:.1f} min)"
+            if end - start < limits.shortest
+            else "",
             f"an impossible error, a wrong fix or position ({errors[k]:.1f} m/s)" if errors[k] > IMPOSSIBLE else "",
         )
         rows.append((gap, covered, errors[k], "; ".join(filter(None, checks))))
@@ -276,10 +278,6 @@ def _jump(line: Positions) -> str:
     if jumped.max() <= _JUMP:
         return ""
     return f"the dead-reckoned position jumps under water ({steps[int(np.argmax(jumped))]:.0f} m)"
-
-
-def _short(duration: float, shortest: float) -> str:
-    return f"shorter than {shortest / 60.0:g} min ({duration / 60.0:.1f} min)" if duration < shortest else ""
 
 
 def _errors(dives: pd.DataFrame) -> Array:

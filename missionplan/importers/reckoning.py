@@ -47,11 +47,12 @@ def made_reckoning(
     `start`, `end`: times of the two fixes [s]. `latitude`, `longitude`: of the first [deg]. `attack`: angle of attack
     [deg]: the path is steeper than the pitch by it.
     """
-    t = _times(track, start, end)
+    t = (track.speed if len(track.speed) else track.depth).within(start, np.nextafter(end, start)).t
     if len(t) < 2:
         return Positions()
     steps, middle = np.diff(t), 0.5 * (t[1:] + t[:-1])
-    heading = _mean_heading(track, t)
+    angle = np.radians(_at_turning(track.heading, t) + true_from_logged(track, t))
+    heading = np.angle(np.exp(1j * angle[1:]) + np.exp(1j * angle[:-1]))
     speed = track.speed.at(middle) if len(track.speed) else _glide_speed(track, t, attack)
     east = np.append(0.0, np.cumsum(speed * np.sin(heading) * steps))
     north = np.append(0.0, np.cumsum(speed * np.cos(heading) * steps))
@@ -74,18 +75,6 @@ def made_doubt(track: Track, line: Positions, end: float) -> float:
         along = float(np.hypot(*displacement(
             steeper.latitude[-1], steeper.longitude[-1], line.latitude[-1], line.longitude[-1])))  # fmt: skip
     return float(np.hypot(along, HEADING_ERROR * way))
-
-
-def _times(track: Track, start: float, end: float) -> Array:
-    """Times of the readings that the speed comes from, before the next fix."""
-    read = (track.speed if len(track.speed) else track.depth).within(start, end).t
-    return np.asarray(read[read < end])
-
-
-def _mean_heading(track: Track, t: Array) -> Array:
-    """True heading between readings [rad]."""
-    angle = np.radians(_at_turning(track.heading, t) + true_from_logged(track, t))
-    return np.asarray(np.angle(np.exp(1j * angle[1:]) + np.exp(1j * angle[:-1])))
 
 
 def _at_turning(heading: Series, t: Array) -> Array:

@@ -88,13 +88,12 @@ def read(files: Sequence[Path], options: ReadOptions, log: SourceLog) -> Track:
             breaks += [Break(began, "the log was begun anew", at_surface_too=False)] if number else []
     found, origin = _fixes(store), origin_of(options.names.get("origin")) or _planned_origin(files)
     used = [pair for pair in (("dr_lat", "dr_lon"), ("dr_x", "dr_y")) if pair[0] in store]
+    told = {quantity: name.decode() for name, quantity in reversed(names.items())}
     track = Track(
         name=f"MOOS {files[0].stem}",
         format="moos",
         fixes=found,
-        reckoning=f"the vehicle's own ({', '.join(_told(names, each) for each in used[0])})"
-        if used
-        else "none is logged",
+        reckoning=f"the vehicle's own ({', '.join(told[each] for each in used[0])})" if used else "none is logged",
         depth=store.series("depth", _factor(options.names, "depth")),
         pitch=store.series("pitch", _factor(options.names, "pitch", "rad")),
         heading=store.series("heading_true" if "heading_true" in store else "heading"),
@@ -119,10 +118,6 @@ def _names(given: Mapping[str, MappedName]) -> dict[bytes, str]:
     return {name.upper().encode(): quantity for name, quantity in usual.items()} | {
         each.name.upper().encode(): quantity for quantity, each in given.items()
     }
-
-
-def _told(names: Mapping[bytes, str], quantity: str) -> str:
-    return next(name.decode() for name, each in names.items() if each == quantity)
 
 
 def _head(path: Path) -> tuple[float, float]:

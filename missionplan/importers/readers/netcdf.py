@@ -120,7 +120,7 @@ class Variables:
             for each in self._by_name.values()
             if self.dimension(each) == along
             and self._variables[each].size == self._variables[name].size
-            and self._is_time(each)
+            and " since " in self.unit(each)
         ]
         if not clocks:
             raise ValueError(f"no time lies along the dimension {along} of {name}")
@@ -166,9 +166,6 @@ class Variables:
     def attribute(self, name: str, of: str) -> str:
         """An attribute of a variable; nothing where it has none."""
         return str(self._variables[name].attrs.get(of, "")) if name else ""
-
-    def _is_time(self, name: str) -> bool:
-        return " since " in self.unit(name)
 
 
 def _shared(clock: str, name: str) -> int:

@@ -24,7 +24,7 @@ from missionplan.importers.importer import (
     SourceLog,
     needed_module,
 )
-from missionplan.importers.track import Break, Fixes, Positions, Track, fixes, positions
+from missionplan.importers.track import Break, Fixes, Track, fixes, positions
 
 _FLIGHT = ("dbd", "mbd", "sbd", "dcd", "mcd", "scd")
 _SCIENCE = ("ebd", "nbd", "tbd", "ecd", "ncd", "tcd")
@@ -82,11 +82,12 @@ def read(files: Sequence[Path], options: ReadOptions, log: SourceLog) -> Track:
     if not log.read and log.passed_over and all("ache file" in each.message for each in log.passed_over):
         hint = "name the folder of the .cac files with --cache"
         raise InputError([Problem("no list of its sensors was found", log.passed_over[0].file, hint=hint)])
+    t, latitude = store.joined("m_lat")
     return Track(
         name="Slocum glider",
         format="slocum",
         fixes=_fixes(store),
-        reckoned=_positions(store),
+        reckoned=positions(t, latitude, store.at("m_lon", t)),
         reckoning="the vehicle's own (m_lat, m_lon)" if "m_lat" in store else "m_lat, m_lon are not logged",
         depth=store.series("m_depth") if "m_depth" in store else store.series("sci_water_pressure", _BAR),
         pitch=store.series("m_pitch", _DEGREES),
@@ -161,11 +162,6 @@ def _fixes(store: ChannelStore) -> Fixes:
         satellites=store.at("m_gps_num_satellites", t),
         valid=np.where(np.isfinite(status), (status == 0.0).astype(float), np.nan),
     )
-
-
-def _positions(store: ChannelStore) -> Positions:
-    t, latitude = store.joined("m_lat")
-    return positions(t, latitude, store.at("m_lon", t))
 
 
 def _restarts(store: ChannelStore) -> list[Break]:

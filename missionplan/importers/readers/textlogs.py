@@ -111,7 +111,8 @@ def _number(path: Path) -> tuple[str, int, str]:
 
 def _parts(path: Path) -> Iterator[dict[str, Array]]:
     """Read some rows at a time."""
-    names = {role: name for name in reversed(read_header(path)) if (role := _role(name)) is not None}
+    header = list(reversed(read_header(path)))
+    names = {role: name for name in header for role, usual in _COLUMNS.items() if name.lower() in usual}
     missing = [role for role in _NEEDED if role not in names]
     if missing:
         raise ValueError(f"no column {', '.join(missing)}: not a gli log, or a damaged one")
@@ -125,17 +126,9 @@ def _columns(words: Mapping[str, "pd.Series[str]"]) -> dict[str, Array]:
     moved = np.append(True, (np.diff(latitude) != 0.0) | (np.diff(longitude) != 0.0))[: len(latitude)]
     is_fix = moved & ~(given.get("reckoned", np.zeros(len(moved))) == 1.0)
     kept = {"keep": is_fix.astype(float)} if np.mean(is_fix) < _MOST_FIXES else {}
-    return {"t": _seconds(words["time"]), "lat": latitude, "lon": longitude, **given, **kept}
-
-
-def _role(name: str) -> str | None:
-    return next((role for role, names in _COLUMNS.items() if name.lower() in names), None)
-
-
-def _seconds(words: "pd.Series[str]") -> Array:
-    """Times since 1970 [s], in the form that fits most of them."""
-    few = words.iloc[:: max(len(words) // 50, 1)]
-    return times(words, max(_TIMES, key=lambda each: int(np.isfinite(times(few, each)).sum())))
+    few = words["time"].iloc[:: max(len(moved) // 50, 1)]
+    form = max(_TIMES, key=lambda each: int(np.isfinite(times(few, each)).sum()))  # that which fits most of them
+    return {"t": times(words["time"], form), "lat": latitude, "lon": longitude, **given, **kept}
 
 
 _IVER_COLUMNS = {

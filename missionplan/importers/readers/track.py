@@ -86,12 +86,9 @@ def _parts(path: Path, head: bytes, names: Mapping[str, MappedName]) -> Iterator
     for number, chunk in enumerate(text_chunks(path, wanted)):
         if number == 0 and len(chunk):
             heading = {asked: name for name, asked in _header(path, wanted)[2].items()}
-            columns = {
-                quantity: MappedName(
-                    each.name, own_unit(each, quantity, heading.get(each.name, ""), chunk[each.name][0])
-                )
-                for quantity, each in columns.items()
-            }
+            for quantity, each in columns.items():
+                unit = own_unit(each, quantity, heading.get(each.name, ""), chunk[each.name][0])
+                columns[quantity] = MappedName(each.name, unit)
         found = _of_text(chunk, columns)
         if "time" in columns:
             _check_times(chunk[columns["time"].name], found["t"], columns["time"], is_first=number == 0)
