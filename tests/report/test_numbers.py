@@ -147,14 +147,14 @@ def test_keys_are_split_at_their_longest_unit():
 @pytest.mark.parametrize(
     ("system", "words"),
     [
-        ("", "winds of 0 to 12 m/s, 0.1 m/s off, carry it 24 m, 2 mm"),
-        ("nautical", "winds of 0 to 23 kn, 0.2 kn off, carry it 24 m, 2 mm"),
-        ("imperial", "winds of 0 to 39 ft/s, 0.3 ft/s off, carry it 79 ft, 2 mm"),
+        ("", "winds of 0 to 12 m/s, 0.1 m/s off, carry it 24 m, 2 mm, 1.50 km, 18.2 cm/s"),
+        ("nautical", "winds of 0 to 23 kn, 0.2 kn off, carry it 24 m, 2 mm, 0.810 nmi, 0.354 kn"),
+        ("imperial", "winds of 0 to 39 ft/s, 0.3 ft/s off, carry it 79 ft, 2 mm, 4921 ft, 0.597 ft/s"),
     ],
 )
 def test_quantities_within_words_are_in_the_readers_units(system, words):
     with reading_in(system):
-        told = in_reader_units("winds of 0 to 12 m/s, 0.1 m/s off, carry it 24 m, 2 mm")
+        told = in_reader_units("winds of 0 to 12 m/s, 0.1 m/s off, carry it 24 m, 2 mm, 1.50 km, 18.2 cm/s")
     assert told.replace("\u00a0", " ") == words
 
 

@@ -264,7 +264,7 @@ class TransitKind(DataKind):
         return (
             f"Over {count} legs{row} the errors add up to {words} what the mission expects ({measured / 1000.0:.2f} km "
             f"against {expected / 1000.0:.2f} km); a leg errs by {100.0 * rms:.1f} cm/s rms, "
-            f"{100.0 * usual:.1f} expected."
+            f"{100.0 * usual:.1f} cm/s expected."
         )
 
     def shares_explained(self, base: CauseFit, fits: Sequence[CauseFit], residuals: pd.DataFrame) -> list[float]:

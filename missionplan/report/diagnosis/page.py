@@ -39,6 +39,7 @@ from missionplan.report.diagnosis.plan import (
 )
 from missionplan.report.diagnosis.scoring import dataset_sections, told
 from missionplan.report.page import Block, Page, PageSection, Table, typed
+from missionplan.report.quantities import in_reader_units
 from missionplan.report.wording import capitalised, listed
 from missionplan.results.learned import Diagnosis
 from missionplan.results.learned.evidence import SURE, NextMeasurement, ParameterEstimate
@@ -110,9 +111,8 @@ def answer(diagnosis: Diagnosis) -> str:
     """Tell what was found and what to do about it, then the verdict, with the size of the misfit."""
     suspect = f"{diagnosis.suspect_labels}{wrong_fixes_in_words(diagnosis.readings.wrong_fixes)}"
     found = f"{suspect} {finding_in_words(diagnosis)}".strip()
-    verdict = " ".join(
-        filter(None, (_verdict_words(diagnosis), intervals_that_miss(diagnosis.coverage), diagnosis.misfit))
-    )
+    size = in_reader_units(diagnosis.misfit)
+    verdict = " ".join(filter(None, (_verdict_words(diagnosis), intervals_that_miss(diagnosis.coverage), size)))
     simulated = bool(diagnosis.provenance.options.get("plan") and diagnosis.learned_from)
     aged = "".join(f" {words}" for words in trends_in_words(diagnosis.levels, simulated=simulated))
     last, kept = diagnosis.last_part, ""

@@ -102,7 +102,7 @@ def test_errors_that_all_point_east_add_up_to_more_than_the_mission_expects():
     )
     assert TransitKind.misfit(SimpleNamespace(model=model), None) == (
         f"Over 32 legs in a row the errors add up to {960.0 / np.sqrt(32.0 * 44.0):.1f} times what the mission expects "
-        "(0.96 km against 0.04 km); a leg errs by 30.0 cm/s rms, 6.6 expected."
+        "(0.96 km against 0.04 km); a leg errs by 30.0 cm/s rms, 6.6 cm/s expected."
     )
 
 
@@ -114,7 +114,7 @@ def test_short_legs_count_by_how_far_they_err():
         data=data, axes=np.eye(2), y=np.stack([30.0 / under_way, 0.0 * under_way]), covariance=np.eye(2), fix_error=0.0
     )
     model.y[0, 1::2] = 3.0
-    assert "a leg errs by 30.1 cm/s rms, 141.4 expected" in TransitKind.misfit(SimpleNamespace(model=model), None)
+    assert "a leg errs by 30.1 cm/s rms, 141.4 cm/s expected" in TransitKind.misfit(SimpleNamespace(model=model), None)
     weight = TransitData.weight.fget(SimpleNamespace(under_way=under_way))
     assert np.mean(weight**2) == pytest.approx(1.0)
     assert weight[0] / weight[1] == pytest.approx(100.0)
