@@ -12,6 +12,7 @@ from missionplan.arrays import Array
 from missionplan.effects import CATALOGUE
 from missionplan.report.axes import name_axis
 from missionplan.report.page import BLUE, GREY, ORANGE, Figure, PageSection, to_figure
+from missionplan.report.quantities import in_reader_units
 from missionplan.report.wording import listed
 from missionplan.results.learned import Diagnosis
 from missionplan.results.learned.evidence import Causes, ParameterEstimate
@@ -26,6 +27,8 @@ class ResidualSeries:
     before: list[Array]
     after: list[Array]
     unit: str
+    weight: Array | float = 1.0
+    """What each counts for in a mean of their squares."""
 
 
 def against_axes(places: Sequence[tuple[str, Array]], left: ResidualSeries) -> Figure:
@@ -42,12 +45,14 @@ def against_axes(places: Sequence[tuple[str, Array]], left: ResidualSeries) -> F
         panels[1, column].set_xlabel(label, fontsize=9)
     name_axis(panels[0, 0].yaxis, "Before", left.unit)
     name_axis(panels[1, 0].yaxis, "After", left.unit)
-    before, after = (float(np.sqrt(np.mean(np.concatenate(values) ** 2))) for values in (left.before, left.after))
+    before, after = (np.sqrt(np.mean((np.stack(each) * left.weight) ** 2)) for each in (left.before, left.after))
     return to_figure(
         figure,
         "residuals",
         alt=f"Residuals before and after against {', '.join(label for label, _ in places)}",
-        caption=f"What is left of the data: {before:.3g} {left.unit} rms before and {after:.3g} {left.unit} after.",
+        caption=in_reader_units(
+            f"What is left of the data: {before:.3g} {left.unit} rms before and {after:.3g} {left.unit} after."
+        ),
     )
 
 

@@ -162,7 +162,8 @@ def _leg_residuals(diagnosis: Diagnosis) -> list[Figure]:
         [100.0 * table[f"residual_{model}_{component}_m_s"].to_numpy() for component in _COMPONENTS]
         for model in ("base", "extended")
     )
-    left = ResidualSeries(before, after, "cm/s")
+    times = table["duration_s"].to_numpy()
+    left = ResidualSeries(before, after, "cm/s", times / np.sqrt(np.mean(times**2)))
     places = [
         ("Time (h)", table["t_start_s"].to_numpy() / 3600.0),
         ("Heading (deg)", table["heading_deg"].to_numpy()),

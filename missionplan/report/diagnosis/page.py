@@ -39,7 +39,7 @@ from missionplan.report.diagnosis.plan import (
 )
 from missionplan.report.diagnosis.scoring import dataset_sections, told
 from missionplan.report.page import Block, Page, PageSection, Table, typed
-from missionplan.report.quantities import in_reader_units
+from missionplan.report.quantities import in_reader_units, reader_unit
 from missionplan.report.wording import capitalised, listed
 from missionplan.results.learned import Diagnosis
 from missionplan.results.learned.evidence import SURE, NextMeasurement, ParameterEstimate
@@ -249,8 +249,9 @@ def _numbers(diagnosis: Diagnosis) -> list[tuple[str, str]]:
         return []
     numbers = [(f"Probability of {names(best.causes)}", percent(best.posterior))] if best.posterior is not None else []
     if best.held_out is not None:
-        gain, unit = best.held_out, REPORTS[diagnosis.kind].unit
-        errors = f"{gain.rmse_base:#.2g} → {gain.rmse_extended:#.2g} {unit}"
+        gain = best.held_out
+        unit = reader_unit(REPORTS[diagnosis.kind].unit, gain.rmse_base)
+        errors = f"{unit(gain.rmse_base):#.2g} → {unit(gain.rmse_extended):#.2g}{unit.suffix}"
         numbers.append(("Error on data held out, before and after", errors))
     return numbers
 
