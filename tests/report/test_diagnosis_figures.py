@@ -195,5 +195,5 @@ def test_what_an_extended_mission_leaves_open_is_told() -> None:
         "fix-error": {"probability": 0.04},
         "speed-scale": {"probability": 0.96},
     }
-    assert campaign._doubts({"posterior": {"summary": learned}}) == ["Still in doubt: compass bias 70.0 %."]
+    assert campaign._doubts(learned) == ["Still in doubt: compass bias 70.0 %."]
     assert campaign._doubts({}) == []
