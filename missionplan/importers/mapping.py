@@ -70,7 +70,8 @@ def read_mapping(entries: Sequence[str]) -> dict[str, MappedName]:
             data = load_document(Path(entry)).data
             pairs = list(data.items()) if isinstance(data, Mapping) else [(entry, None)]
         else:
-            pairs = [_pair(each) for each in _split(entry)]
+            parts = (each.partition("=") for each in _split(entry))
+            pairs = [(quantity.strip(), name if name.strip() else None) for quantity, _, name in parts]
         for quantity, name in pairs:
             problem = _problem(str(quantity), name)
             if problem is not None:
@@ -114,11 +115,6 @@ def _split(entry: str) -> list[str]:
     if not starts or starts[0] != 0:
         return [entry]
     return [entry[start:end].strip() for start, end in zip(starts, [*starts[1:], len(entry)], strict=True)]
-
-
-def _pair(entry: str) -> tuple[str, str | None]:
-    quantity, equals, name = entry.partition("=")
-    return quantity.strip(), name if equals and name.strip() else None
 
 
 def _problem(quantity: str, name: object) -> Problem | None:

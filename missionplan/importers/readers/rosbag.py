@@ -55,7 +55,8 @@ def read(files: Sequence[Path], options: ReadOptions, log: SourceLog) -> Track:
     there.
     """
     library = needed_module("rosbags.highlevel", "rosbag", "rosbag")
-    bags = {path: _bag_of(path) for path in sorted(files)}
+    described = {path for path in files if path.suffix in _SECOND_FORMAT and (path.parent / "metadata.yaml").exists()}
+    bags = {path: path.parent if path in described else path for path in sorted(files)}  # one may have several files
     topics: dict[str, dict[str, str]] = defaultdict(dict)
     for bag in dict.fromkeys(bags.values()):
         with SourceLog().reading(bag, library.AnyReaderError), _opened(library, bag) as reader:  # told when it is read
@@ -72,12 +73,6 @@ def read(files: Sequence[Path], options: ReadOptions, log: SourceLog) -> Track:
                 lines.append(Samples(_COLUMNS["odometry"]))
                 _add(library, bags[path], chosen, {"gps": fixed, "odometry": lines[-1], "depth": deep})
     return _track(files, options, chosen, fixed, deep, [each for each in lines if len(each)])
-
-
-def _bag_of(path: Path) -> Path:
-    """Folder of a bag of ROS 2, which may have several files; the file itself where nothing describes the folder."""
-    is_folder = path.suffix in _SECOND_FORMAT and (path.parent / "metadata.yaml").exists()
-    return path.parent if is_folder else path
 
 
 @contextmanager

@@ -138,8 +138,8 @@ def _dive(file: Variables) -> _Part:
     longitude = file.find("log_gps_lon")
     if latitude is None or longitude is None or np.count_nonzero(np.isfinite(file.numbers(latitude))) < 2:
         raise ValueError("fewer than two fixes: the dive was not completed")
-    quality = {
-        name: _positive(file.like(file.find(f"log_gps_{logged}"), latitude))
+    quality = {  # the basestation writes −1 where there is none
+        name: np.where((read := file.like(file.find(f"log_gps_{logged}"), latitude)) > 0.0, read, np.nan)
         for name, logged in (("accuracy", "hpe"), ("hdop", "hdop"), ("satellites", "n_satellites"))
     }
     variation = file.find("log_gps_magvar")
@@ -170,11 +170,6 @@ def _ways(file: Variables) -> tuple[tuple[Array, Array, Array], str]:
         if east is not None and north is not None and np.isfinite(file.numbers(east)).any():
             return (file.clock(east), file.in_unit(east, "m"), file.like(north, east, "m")), how
     return (np.empty(0), np.empty(0), np.empty(0)), ""
-
-
-def _positive(values: Array) -> Array:
-    """Qualities; the basestation writes −1 where there is none."""
-    return np.where(values > 0.0, values, np.nan)
 
 
 def _deployment(file: Variables) -> _Part:

@@ -34,10 +34,6 @@ _NAMES = {
 }
 
 
-def _is_pygliders(path: Path, head: bytes) -> bool:
-    return head.startswith(MAGIC) and variable_names(path, "pyglider") >= _PYGLIDER
-
-
 def _refuse(files: Sequence[Path], options: ReadOptions, log: SourceLog) -> Track:
     message = (
         "is a time series whose position is interpolated between the fixes, so that it holds no dead reckoning and no "
@@ -130,6 +126,11 @@ def _one(data: "Dataset", path: Path, wanted: str | None) -> tuple["Dataset", st
 
 
 IMPORTERS = (
-    Importer("pyglider", "pyglider's time series, refused: they hold no dead reckoning", _is_pygliders, _refuse),
+    Importer(
+        "pyglider",
+        "pyglider's time series, refused: they hold no dead reckoning",
+        lambda path, head: head.startswith(MAGIC) and variable_names(path, "pyglider") >= _PYGLIDER,
+        _refuse,
+    ),
     Importer("trajectory", "NetCDF trajectories by the CF conventions", recognises, read, is_choosing=True),
 )
