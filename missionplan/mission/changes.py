@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from pydantic import BaseModel
 
 from missionplan.effects import CATALOGUE
-from missionplan.errors import InputError, KeyPath, LocalProblem, Problem, did_you_mean, key_path, shown
+from missionplan.errors import InputError, KeyPath, LocalProblem, Problem, counted, did_you_mean, key_path, shown
 from missionplan.mission.quantity_paths import is_in_force, name_in_force, overridden, phase_of_path, written_phases
 from missionplan.mission.schema.effect_list import ONE_OF
 from missionplan.mission.schema.phases import PhaseEntry
@@ -265,5 +265,5 @@ def _item(parent: object, part: str | int, path: KeyPath, key: str) -> object:
     if isinstance(parent, list) and isinstance(part, int):
         if part < len(parent):
             return parent[part]
-        raise UnclearKeyError(key, f"{key_path(path[:-1])} has {len(parent)} items, counted from 0")
+        raise UnclearKeyError(key, f"{key_path(path[:-1])} has {counted(len(parent), 'item')}, counted from 0")
     raise UnclearKeyError(key, f"{key_path(path[:-1])} is {shown(parent)}, which has no key {part}")

@@ -73,8 +73,8 @@ def paired_difference(
     if best.dtype == bool:
         losses, wins = int((difference > 0.0).sum()), int((difference < 0.0).sum())
         return mean, error, float(scipy.special.bdtrc(losses - 1, losses + wins, 0.5)) if losses else 1.0
-    if error == 0.0 or not np.isfinite(error):
-        return mean, error, 0.0 if mean > 0.0 else 1.0
+    if not error > 0.0:  # of one trial nan: nothing tells
+        return mean, error, 0.0 if error == 0.0 and mean > 0.0 else 1.0
     return mean, error, float(scipy.special.ndtr(-mean / error))
 
 

@@ -53,12 +53,12 @@ _MATTERS = ("total.success", "total.duration_s", "total.energy_wh")
 def explanation_in_words(outcome: Outcome) -> str:
     """Write in a sentence whether success depends on the explanation; empty for a mission without doubts."""
     tried = sorted((each for each in outcome.explanations if each.trials), key=lambda each: each.success.value)
-    if not tried:
+    if len(tried) < 2:
         return ""
     worst, best = tried[0], tried[-1]
     low, high = share(worst.success), share(best.success)
     if differ([each.success for each in tried]):
-        ends = f"{low} with {label(worst.causes)}, {high} with {label(best.causes)}"
+        ends = f"{low} of the time with {label(worst.causes)}, {high} with {label(best.causes)}"
         return f"It depends on which explanation holds: it succeeds {ends}."
     ends = f" ({low} to {high})" if low != high else ""
     return f"Whichever explanation holds, it succeeds as often, as far as the trials can tell{ends}."
@@ -83,7 +83,7 @@ def doubt_sections(outcome: Outcome) -> Iterator[PageSection]:
         influences = [
             [s for s in outcome.sensitivities if s.source == place and s.output in _MATTERS] for place in places
         ]
-        words, rows = [_worth(each, what) for each in influences if each], []
+        words, rows = [_worth(outcome, each, what) for each in influences if each], []
         for each in found:
             ranges = []
             for key, statistic in (("duration_s", each.duration), ("energy_wh", each.energy)):
@@ -96,14 +96,14 @@ def doubt_sections(outcome: Outcome) -> Iterator[PageSection]:
             yield PageSection(title, [*words, Table((column, *_COLUMNS), rows, note)])
 
 
-def _worth(found: list[Sensitivity], what: str) -> str:
+def _worth(outcome: Outcome, found: list[Sensitivity], what: str) -> str:
     """Say for which share of the variance it matters which explanation holds, and whether to find out."""
     shares = []
     for each in found:
         portion = "less than 1 %" if each.first_order < 0.01 else f"{100.0 * each.first_order:.0f} %"
         shares.append(f"{portion} of the variance of the {in_words(each.output)}")
     words = f"Which {what} it is accounts for {listed(shares)}"
-    if all(each.first_order < SMALL for each in found):
+    if all(each.first_order < SMALL for each in found) and not outcome_hangs_on_doubt(outcome):
         return f"{words}: no need to find out."
     return f"{words}: find out what you can before you rely on the plan."
 
@@ -202,10 +202,10 @@ def _turning_in_words(assumed: Sequence[Assumption]) -> str:
     fails = "fails more often than not: it " if first.success < 0.5 and not first.missed else ""
     words = (
         f" But this assumes that {first.what}: with {in_reader_units(first.otherwise)} it {fails}succeeds "
-        f"{100.0 * first.success:.0f} % of the time"
+        f"{100.0 * first.success:.3g} % of the time"
     )
     if first.missed:
-        words += f", short of what is required of {listed([in_words(each) for each in first.missed])}"
+        words += f" and misses what is required of {listed([in_words(each) for each in first.missed])}"
     if not others:
         return f"{words}."
     return f"{words}; {others} more such {'assumption' if others == 1 else 'assumptions'} below."
@@ -216,7 +216,7 @@ def _section(assumed: Sequence[Assumption]) -> Iterator[PageSection]:
     rows = []
     for each in assumed:
         then = "" if math.isnan(each.success) else f"{100.0 * each.success:.3g}\u00a0%"
-        change = f"{100.0 * each.worth:+.2g}\u00a0%" if each.worth else "none"
+        change = f"{100.0 * each.worth:+.3g}\u00a0%" if each.worth else "none"
         change = "could not be run" if math.isnan(each.worth) else change
         rows.append(
             (each.what, in_reader_units(each.otherwise), then, change, "could turn the answer" if each.turns else "")
@@ -233,5 +233,6 @@ def _heading(assumed: Sequence[Assumption]) -> str:
         return f"{turning} of its assumptions could turn this"
     most = max(assumed, key=lambda each: 0.0 if math.isnan(each.worth) else abs(each.worth))
     if math.isnan(most.worth) or abs(most.worth) < _LEAST_CHANGE:
-        return "None of these assumptions alone could turn this"
-    return f"Of its assumptions, that {most.what} matters most: {100.0 * most.worth:+.2g}\u00a0% otherwise"
+        known = ", of those that could be tried," if any(math.isnan(each.worth) for each in assumed) else ""
+        return f"None of these assumptions alone{known} could turn this"
+    return f"Of its assumptions, that {most.what} matters most: {100.0 * most.worth:+.3g}\u00a0% otherwise"

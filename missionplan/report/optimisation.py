@@ -18,6 +18,7 @@ from missionplan.report.page import BLUE, GREY, ORANGE, Figure, Listing, Page, P
 from missionplan.report.quantities import Unit, range_on, unit_for, value_on, with_error
 from missionplan.report.simulation.quantities import requirement_in_words
 from missionplan.report.wording import in_words, keys_in_words, listed, number, percent, rounded_down, rounded_up, share
+from missionplan.results.entries import mappings
 from missionplan.results.optimisation import Obstacle, Optimised, Tried
 
 
@@ -86,7 +87,7 @@ def page(found: Optimised) -> Page:
             *_front(found),
             _effort(found),
         ],
-        verdict="bad" if not found.feasible else "undecided" if outcome_hangs_on_doubt(found.fresh) else "good",
+        verdict="bad" if _fails(found) else "undecided" if outcome_hangs_on_doubt(found.fresh) else "good",
         rerun=typed("optimise", "mission.yaml", **again),
         table=lambda: (
             ("", "chosen" if found.feasible else "nearest"),
@@ -94,6 +95,11 @@ def page(found: Optimised) -> Page:
         ),
         plots={"front": draw_front},
     )
+
+
+def _fails(found: Optimised) -> bool:
+    """Whether nothing is to be chosen: no choice meets all requirements, or what does fails more often than not."""
+    return not found.feasible or (found.fresh is not None and found.fresh.total.events["success"].high < 0.5)
 
 
 def answer(found: Optimised) -> str:
@@ -109,7 +115,9 @@ def answer(found: Optimised) -> str:
     first = next((each.first for each in found.assumed if each.turns), "")
     if not first and found.fresh is not None and outcome_hangs_on_doubt(found.fresh):
         first = what_would_tell(found.fresh.explanations)
-    if first:
+    if _fails(found):
+        sentences.insert(0, "Nothing to choose: the mission fails more often than not. Of what meets its requirements:")
+    elif first:
         sentences.insert(0, f"Nothing to choose yet: first {first}. As the mission stands:")
     if found.checked is not None and found.fresh is not None:
         trials, fresh = number(found.fresh.provenance.trials), percent(found.fresh.total.events["success"])
@@ -124,10 +132,9 @@ def _obstacle_words(found: Optimised) -> str:
     if not found.obstacles:
         return "Some meet them in the trials of the search, but none in both checks; more trials may tell."
     alone, parts = all(each.alone for each in found.obstacles), []
+    others = " where all others are" if alone and len(mappings(found.provenance.data.get("requirements"))) > 1 else ""
     for each in found.obstacles:
-        met = (
-            f"the {in_words(each.quantity)}, which is met with {percent(each.reached)}{' where all others are' * alone}"
-        )
+        met = f"the {in_words(each.quantity)}, which is met with {percent(each.reached)}{others}"
         would = f" ({_looser(found, each)} instead of {_bound(found, each, each.limit)} would do)"
         would = would if math.isfinite(each.would_do) else ""
         parts.append(f"{met}, {100.0 * each.required:g}\u00a0% required{would}")
@@ -272,7 +279,7 @@ def _front(found: Optimised) -> Iterator[PageSection]:
         rows.append([*values, share(each.success), *told, "met" if each.feasible else "not met"])
     columns = [*(_name(axis.name) for axis in found.axes), "P(success)", "energy", "duration", "requirements"]
     more = f"The first {_MOST_ROWS} of {len(front)}; all are in front.csv." if len(front) > _MOST_ROWS else ""
-    yield PageSection(f"The front of what was tried has {len(front)} choices", [Table(columns, rows, more)])
+    yield PageSection(f"On the front of what was tried: {len(front)}", [Table(columns, rows, more)])
 
 
 def _effort(found: Optimised) -> PageSection:

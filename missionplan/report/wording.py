@@ -69,6 +69,8 @@ def percent(probability: Probability) -> str:
     if half == 0.0 and value in (0.0, 100.0):  # certain: computed, not counted in trials
         return f"{value:.0f}\u00a0%"
     decimals = max(0, _decimals(half)) if half > 0.0 else 1
+    while any(float(f"{end:.{decimals}f}") in (0.0, 100.0) for end in (low, high) if 1e-6 < end < 100.0):
+        decimals += 1  # what was seen, or not always, is not said to be impossible, or certain
     if min(value, 100.0 - value) > 3.0 * half:
         return f"{value:.{decimals}f}\u00a0±\u00a0{half:.{decimals}f}\u00a0%"
     if value in (0.0, 100.0):

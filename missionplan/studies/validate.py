@@ -130,7 +130,7 @@ def validated_mission(path: Path, mission: Mission) -> Validated:
 
 def _contents(mission: Mission) -> str:
     kinds = ", ".join(phase.kind for phase in mission.phases) or "none"
-    return f"valid. Phases: {kinds}; {len(mission.uncertain())} quantities are distributions."
+    return f"valid. Phases: {kinds}; distributions: {len(mission.uncertain())}."
 
 
 def validate(paths: MissionOrPath | Iterable[MissionOrPath], *, allow_outside: bool = False) -> tuple[Validated, ...]:

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from scipy.stats import binomtest, ttest_rel
 
-from missionplan.montecarlo.alternatives import compare_with_best, pareto_front
+from missionplan.montecarlo.alternatives import compare_with_best, paired_difference, pareto_front
 
 
 def test_events_are_compared_by_the_sign_test():
@@ -51,3 +51,9 @@ def test_nothing_beats_the_front_and_something_beats_the_rest(costs):
     for index, cost in enumerate(costs):
         beaten = any((other <= cost).all() and (other < cost).any() for other in costs)
         assert front[index] == (bool(np.isfinite(cost).all()) and not beaten)
+
+
+def test_one_pair_tells_no_difference_from_chance():
+    mean, error, chance = paired_difference(np.array([27.1]), np.array([27.8]), most=False)
+    assert (mean, chance) == (pytest.approx(0.7), 1.0)
+    assert np.isnan(error)

@@ -12,16 +12,18 @@ STILL = Assumption("the water is still", "0.1 m/s", -0.104, 0.796, is_required=T
 EXACT = Assumption("the log is exact", "2 % more", 0.0, 0.9, is_required=True)
 CHARTED = Assumption("the chart holds", "1 m less", math.nan, math.nan)
 SLOW = Assumption("it is fast", "half as fast", -0.5, 0.4, is_required=True)
+SINKS = Assumption("it floats", "it sinks", -1.0, 0.0, is_required=True)
+ALMOST = Assumption("it is light", "a stone more", -0.4, 0.4975, is_required=True)
 LATE = Assumption("it is in time", "an hour late", -0.2, 0.7, ("out.arrived", "total.duration_s"), is_required=True)
 
 
 @pytest.mark.parametrize(
     ("assumed", "heading"),
     [
-        ([CALM, STILL, EXACT, CHARTED], "Of its assumptions, that the water is still matters most: -10 % otherwise"),
+        ([CALM, STILL, EXACT, CHARTED], "Of its assumptions, that the water is still matters most: -10.4 % otherwise"),
         ([CHARTED, CALM], "Of its assumptions, that it is calm matters most: +3 % otherwise"),
-        ([EXACT, CHARTED], "None of these assumptions alone could turn this"),
-        ([CHARTED], "None of these assumptions alone could turn this"),
+        ([EXACT], "None of these assumptions alone could turn this"),
+        ([EXACT, CHARTED], "None of these assumptions alone, of those that could be tried, could turn this"),
         ([SLOW, STILL, LATE], "2 of its assumptions could turn this"),
     ],
 )
@@ -31,12 +33,13 @@ def test_the_heading_names_what_matters_most_for_better_or_worse(assumed, headin
 
 
 def test_each_assumption_has_a_row_with_success_then_and_its_change():
-    (section,) = _section([STILL, EXACT, CHARTED, SLOW])
+    (section,) = _section([STILL, EXACT, CHARTED, SLOW, SINKS])
     assert [[cell.replace("\u00a0", " ") for cell in row] for row in section.blocks[0].rows] == [
-        ["the water is still", "0.1 m/s", "79.6 %", "-10 %", ""],
+        ["the water is still", "0.1 m/s", "79.6 %", "-10.4 %", ""],
         ["the log is exact", "2 % more", "90 %", "none", ""],
         ["the chart holds", "1 m less", "", "could not be run", ""],
         ["it is fast", "half as fast", "40 %", "-50 %", "could turn the answer"],
+        ["it floats", "it sinks", "0 %", "-100 %", "could turn the answer"],
     ]
 
 
@@ -50,8 +53,13 @@ def test_each_assumption_has_a_row_with_success_then_and_its_change():
             "time.",
         ),
         (
+            [ALMOST],
+            " But this assumes that it is light: with a stone more it fails more often than not: it succeeds 49.8 % of "
+            "the time.",
+        ),
+        (
             [LATE, SLOW],
-            " But this assumes that it is in time: with an hour late it succeeds 70 % of the time, short of what is "
+            " But this assumes that it is in time: with an hour late it succeeds 70 % of the time and misses what is "
             "required of arrival (out) and total duration; 1 more such assumption below.",
         ),
     ],

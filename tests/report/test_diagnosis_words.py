@@ -237,6 +237,9 @@ def test_several_data_sets_are_told_with_what_they_share_and_what_stays_in_doubt
     found.informed_by = {"tidal-current": ("a",), "leeway": ("b",)}
     assert "the extended mission carries all but tidal current, which" in campaign.answer(found)
     found.informed_by, two.levels = {}, ()
+    two.verdict = "unexplained"
+    assert campaign.answer(found) == "No cause of the catalogue explains what is left in b."
+    two.verdict = "adequate"
     assert campaign.answer(found).endswith("adequate for all 2 data sets: none asks for a cause.")
     one.nothing = 0.2
     assert "that one asks for a cause has a probability of 80.0 %, too little to claim a cause" in campaign.answer(

@@ -71,6 +71,7 @@ def test_numbers_have_the_digits_that_their_error_supports(value, error, text):
         (5000, 10_000, "50.0\u00a0±\u00a01.0\u00a0%"),
         (87, 100, "87\u00a0% (79 to 92\u00a0%)"),
         (9997, 10_000, "99.97\u00a0% (99.91 to 99.99\u00a0%)"),
+        (1, 1000, "0.10\u00a0% (0.02 to 0.56\u00a0%)"),  # what was seen is not said to be impossible
         (10_000, 10_000, "100\u00a0% (at least 99.96\u00a0%)"),
         (0, 1000, "0\u00a0% (at most 0.4\u00a0%)"),
         (0, 1197, "0\u00a0% (at most 0.4\u00a0%)"),  # 0.32 %: a bound is never rounded inwards

@@ -71,6 +71,12 @@ def found(**changes):
     return Optimised(**{**given, **changes})
 
 
+def test_what_fails_more_often_than_not_is_no_choice():
+    hopeless = found(fresh=checked(0))
+    assert report.answer(hopeless).startswith("Nothing to choose: the mission fails more often than not.")
+    assert report.page(hopeless).verdict == "bad"
+
+
 def plain(text):
     return text.replace("\u00a0", " ").replace("\u202f", " ")
 
@@ -115,7 +121,7 @@ def test_an_obstacle_says_a_bound_that_is_rounded_away_from_the_one_that_does_no
     each = Obstacle("total.duration", 0.9, wilson(500, 1000), "total.duration_s", limit, would_do, alone=True)
     result = found(feasible=False, obstacles=(each,), checked=None, fresh=None)
     said = plain(report.answer(result))
-    assert "The obstacle is the total duration, which is met with 50 ± 3 % where all others are, 90 % required" in said
+    assert "The obstacle is the total duration, which is met with 50 ± 3 %, 90 % required" in said
     assert f"({words} would do)" in said
     assert said.endswith("What comes nearest: speed (out, back) 1.2 m/s and vehicle light.")
     ((_, (table,)),) = sections(report._obstacles, result).items()
@@ -160,7 +166,7 @@ def test_the_checks_have_both_seeds_beside_what_is_required():
 
 def test_the_front_is_in_the_order_of_energy_with_its_own_numbers():
     ((title, (table,)),) = sections(report._front, found(tried=TRIED[::-1])).items()
-    assert title == "The front of what was tried has 2 choices"
+    assert title == "On the front of what was tried: 2"
     assert [[plain(cell) for cell in row] for row in table.rows] == [
         ["1 m/s", "light", "90.0 %", "20 W h", "2 h", "not met"], ["1.2 m/s", "light", "96.0 %", "24 W h", "1.75 h", "met"],
     ]  # fmt: skip

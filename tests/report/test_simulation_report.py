@@ -82,6 +82,19 @@ def test_a_mission_that_seldom_succeeds_is_not_said_to_work(outcome):
     assert terminal_view(seldom).verdict == "bad"
 
 
+def test_a_trial_that_fails_does_not_show_that_a_mission_does(outcome):
+    one = replace(with_success(outcome, 0, 1, outcome.attrition), provenance=replace(outcome.provenance, trials=1))
+    assert simulation.answer(one).startswith("None of 1 trial succeeded, too few to say that the mission fails; ")
+
+
+@pytest.mark.parametrize(
+    ("rank_correlation", "makes"), [(-0.6, "smaller"), (0.6, "larger"), (0.1, "larger or smaller")]
+)
+def test_a_larger_input_is_said_to_make_more_or_less_where_that_tells_most_of_it(rank_correlation, makes):
+    found = Sensitivity("moor.offset_m", "ingress.fix_error.along", rank_correlation, 0.5, 0.02)
+    assert quantities._direction(found) == makes
+
+
 def test_a_few_trials_do_not_show_that_a_mission_works(outcome):
     few = replace(with_success(outcome, 10, 10), requirements=(), provenance=replace(outcome.provenance, trials=10))
     assert terminal_view(few).sentence.startswith("None of 10 trials failed, too few to say that the mission works: ")
@@ -247,8 +260,10 @@ def test_trials_that_went_nowhere_and_a_mission_that_asks_nothing_leave_a_page(o
     tracks = replace(outcome.tracks, position=np.where(np.arange(MAPPED) < keep, outcome.tracks.position, np.nan))
     arrivals = {name: np.full((2, 5), np.nan) for name in outcome.arrivals}
     poor = replace(outcome, tracks=tracks, arrivals=arrivals, sensitivities=(), requirements=())
-    rendered = render_report(poor)
+    ended = {"duration_s": replace(outcome.total.quantities["duration_s"], p50=np.nan, count=0)}
+    rendered = render_report(replace(poor, total=replace(outcome.total, quantities=ended)))
     assert "mission" in rendered.figures
+    assert "<h2>No mission comes to its end</h2>" in rendered.html
     assert '<h1 class="">' in rendered.html
     assert not re.search("<h2>[^<]*(requirement|matters most)", rendered.html)
 

@@ -184,7 +184,9 @@ def test_the_least_reached_arrival_is_told():
     (section,) = sweep_page._arrival_section(
         sweep(point(400.0, 0.1, 480), point(700.0, 0.2, 465), point(1000.0, 0.3, 500))
     )
-    assert plain(section.blocks[0]).startswith("At d_max = 700 m only 93.0 % of the trials arrive")
+    assert plain(section.blocks[0]).startswith("At d_max = 700 m only 93 % of the trials arrive")
+    almost = sweep(point(400.0, 0.1, 500), replace(point(700.0, 0.2, 499), arrived=wilson(99_999, 100_000)))
+    assert "only 99.999 % of the trials arrive" in plain(sweep_page._arrival_section(almost)[0].blocks[0])
     assert sweep_page._arrival_section(sweep(point(400.0, 0.1, 500), point(1000.0, 0.3, 500))) == []
 
 

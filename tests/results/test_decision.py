@@ -84,7 +84,7 @@ def test_members_and_assumptions_are_told_by_the_worst_and_the_one_that_turns_th
     ]
     assert (section.heading, section.blocks[0].rows[0][4]) == ("1 of its assumptions could turn this", "")
     assert explained._turning_in_words(assumed) == (
-        " But this assumes that the log is right: with 2 % more it succeeds 40 % of the time, short of what is required of arrival (out)."
+        " But this assumes that the log is right: with 2 % more it succeeds 40 % of the time and misses what is required of arrival (out)."
     )
     assert explained._heading(assumed[:1]) == "None of these assumptions alone could turn this"
 

@@ -116,7 +116,7 @@ def test_a_rate_with_its_error_is_updated_in_hours_and_kilometres_and_a_fixed_on
     written = yaml.safe_load(found.rates_file)
     assert [each["source"] for each in written if "learned_from" in each] == [
         "Büro; 3 failures in 400 h of the fleet",
-        "1 failures in 50 km of the fleet",
+        "1 failure in 50 km of the fleet",
     ]
     assert [(each["per"], each.get("leaves")) for each in written] == [("km", "lost"), ("hour", None), ("km", None)]
     assert (len(hour.learned_from), len(km.learned_from)) == (1, 1)

@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
-from missionplan.errors import KeyPath, LocalProblem, did_you_mean, shown
+from missionplan.errors import KeyPath, LocalProblem, counted, did_you_mean, shown
 from missionplan.mission.schema.effect_list import Learned, OneOf
 from missionplan.mission.schema.phases import MoorPhase, Navigation, Phase, TransitPhase
 from missionplan.mission.schema.place import Geographic
@@ -103,7 +103,7 @@ def check_site(site: Site | None, phases: Sequence[Phase]) -> list[LocalProblem]
     for index, phase in enumerate(phases):
         given = phase.design_current if isinstance(phase, MoorPhase) else None
         if isinstance(given, tuple) and len(given) != len(site.current):
-            message = f"has {len(given)} speeds; site.current has {len(site.current)} layers"
+            message = f"has {counted(len(given), 'speed')}; site.current has {counted(len(site.current), 'layer')}"
             problems.append(LocalProblem((*phase_path(index, phase), "design_current"), message))
     return problems
 

@@ -15,6 +15,7 @@ from missionplan.report.diagnosis.page import answer as answer_of
 from missionplan.report.diagnosis.page import page as page_of
 from missionplan.report.diagnosis.plan import next_trial_section, next_trial_told
 from missionplan.report.page import Block, Page, PageSection, Table, typed
+from missionplan.report.wording import listed
 from missionplan.results.entries import mapping, real
 from missionplan.results.learned import Campaign
 
@@ -74,7 +75,12 @@ def answer(campaign: Campaign) -> str:
     aged = ageing_in_words(last.levels, names_of, simulated=simulated)
     if not found:
         adequate = f"The mission's model is adequate for all {many} data sets: none asks for a cause."
-        if (least := min(each.nothing for each in campaign.diagnoses)) < LIKELIER:
+        left = [
+            name for each, name in zip(campaign.diagnoses, campaign.names, strict=True) if each.verdict == "unexplained"
+        ]
+        if left:
+            adequate = f"No cause of the catalogue explains what is left in {listed(left)}."
+        elif (least := min(each.nothing for each in campaign.diagnoses)) < LIKELIER:
             adequate = open_in_words("these data sets", "that one asks for a cause", least)
         return " ".join([adequate, *aged])
     named = ", ".join(effect.replace("-", " ") for effect in found)

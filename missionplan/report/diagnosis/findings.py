@@ -6,6 +6,7 @@ from dataclasses import replace
 
 from missionplan.effects import CATALOGUE
 from missionplan.effects.info import Finding
+from missionplan.errors import counted
 from missionplan.report.diagnosis.evidence import claimed_parameters, sized
 from missionplan.report.diagnosis.kind_report import names, part, percent
 from missionplan.report.diagnosis.kinds import REPORTS
@@ -250,7 +251,7 @@ def trends_in_words(levels: Iterable[ParameterLevels], *, simulated: bool) -> It
         info, trend = CATALOGUE[each.effect], _estimate(each, each.trend, each.trend_sd)
         own = sized_clause(info.finding, {each.name: trend}) if info.finding is not None else ""
         told = own or f"{parameter_in_words(each.effect, each.name)} changes by {sized(trend)}"
-        urgent = f" In {each.matters_in} missions it costs success."
+        urgent = f" In {counted(each.matters_in or 0, 'mission')} it costs success."
         if each.matters_in is None:
             urgent = f" Within {AHEAD[-1]} missions it costs no success." if simulated else ""
         upkeep = info.upkeep[each.trend < 0.0]

@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from missionplan.arrays import Array
+from missionplan.errors import counted
 from missionplan.exporters.geojson import collection, feature, longitudes_latitudes
 from missionplan.moments import moment_of, zone_written
 from missionplan.report.axes import column_of_panels, name_axis
@@ -90,8 +91,9 @@ def _why(found: Overdue, start: datetime | None) -> str:
         return f"{words} In the model every mission comes back: what keeps it away is not in the model."
     worst = max(found.missing, key=lambda step: found.missing[step])
     share = 100.0 * sum(found.missing.values())
+    most = "most of them" if 100.0 * found.missing[worst] > 0.5 * share else "most often"
     reason = failure_in_words(worst)
-    return f"{words} {number(share, 0.1 * share)} % never do in the model, most of them because of {reason}."
+    return f"{words} {number(share, 0.1 * share)} % never do in the model, {most} because of {reason}."
 
 
 def _times(found: Overdue, start: datetime | None) -> Table:
@@ -168,7 +170,7 @@ def _areas(outcome: Outcome, found: Overdue) -> Table:
     """One row a way and hour: where to begin, and how large the area of 95 % is."""
     rows = [
         (
-            f"{_where(area)}{', assumed' if area.is_assumed else f', {area.trials} trials'}",
+            f"{_where(area)}, {'assumed' if area.is_assumed else counted(area.trials, 'trial')}",
             _hours(area),
             _place(outcome, (area.densest_east, area.densest_north)),
             _size(area),
@@ -186,7 +188,7 @@ def _areas(outcome: Outcome, found: Overdue) -> Table:
     )
     if found.searches:
         columns.append("missed by searches")
-        caption += f" What is left after {found.searches} searched areas in which nothing was found."
+        caption += f" What is left after nothing was found in {counted(found.searches, 'searched area')}."
     return Table(columns, rows, caption)
 
 

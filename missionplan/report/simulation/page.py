@@ -97,7 +97,7 @@ def distributions_section(outcome: Outcome) -> PageSection:
             unit = unit_of(outcome, outcome.total, key)
             medians.append(f"{span(statistic, unit)[1]}{unit.suffix}")
     which = of_those_that_end(outcome, "duration_s", "") or "the missions"
-    heading = f"Half of {which} need no more than {' and '.join(medians)}"
+    heading = f"Half of {which} need no more than {' and '.join(medians)}" if medians else "No mission comes to its end"
     return PageSection(heading, [*([histograms(outcome, varying)] if varying else []), *fixed])
 
 
@@ -205,16 +205,13 @@ def _holds_in_words(outcome: Outcome) -> Iterator[str]:
         moored, trials = phase.quantities["holding_margin"].count, outcome.provenance.trials
         dragged = wilson(moored - round(phase.events["anchor_holds"].value * trials), trials)
         grounded = phase.events["grounded"]
-        if not held.friction_given and dragged.value > _WORTH_TELLING:
-            yield (
-                f"Not counted as failures: with an assumed holding factor of {held.friction:g} the anchor "
-                f"({phase_in_words(held.phase)}) drags in {share(dragged)} of the trials."
-            )
-        if not held.centres_given and grounded.value > _WORTH_TELLING:
-            yield (
-                f"Not counted as failures: with its centres assumed the hull touches the seafloor "
-                f"({phase_in_words(held.phase)}) in {share(grounded)} of the trials."
-            )
+        where, factor = phase_in_words(held.phase), f"with an assumed holding factor of {held.friction:g}"
+        for is_given, told, words in (
+            (held.friction_given, dragged, f"{factor} the anchor ({where}) drags"),
+            (held.centres_given, grounded, f"with its centres assumed the hull touches the seafloor ({where})"),
+        ):
+            if not is_given and told.value > _WORTH_TELLING:
+                yield f"Not counted as failures: {words} in {share(told)} of the trials."
 
 
 _SURE = 0.9
@@ -255,17 +252,20 @@ def _anchors_in_words(outcome: Outcome) -> Iterator[str]:
 def _success_in_words(outcome: Outcome) -> str:
     """Write how often the mission succeeds; that it works only where it does all that it is asked."""
     success, worst = outcome.total.events["success"], worst_step(outcome)
-    works, trials = verdict(outcome) in ("", "good"), number(outcome.provenance.trials)
+    works, trials = verdict(outcome) in ("", "good"), outcome.provenance.trials
+    none = f"none of {number(trials)} trial{'' if trials == 1 else 's'}"
     if worst is None:
         if works and success.low < _SURE:
-            few = f"None of {trials} trials failed, too few to say that the mission works"
-            return f"{few}: P(success) is {percent(success)}."
-        certain = f"none of {trials} trials failed, so that P(success) is {percent(success)}"
+            return (
+                f"{capitalised(none)} failed, too few to say that the mission works: P(success) is {percent(success)}."
+            )
+        certain = f"{none} failed, so that P(success) is {percent(success)}"
         return f"This mission works: {certain}." if works else f"{_judged(outcome)}, though {certain}."
     most = "most" if worst.lost.value > 0.5 * (1.0 - success.value) else "the commonest"
     failures = f"{most} failures are {failure_in_words(worst.step)}"
     if success.value == 0.0:
-        return f"This mission fails: none of {trials} trials succeeded; {failures}."
+        few = f"{capitalised(none)} succeeded, too few to say that the mission fails"
+        return f"{f'This mission fails: {none} succeeded' if success.high < 0.5 else few}; {failures}."
     if success.high < 0.5:
         return f"This mission fails more often than not: it succeeds {percent(success)} of the time; {failures}."
     if works:

@@ -22,6 +22,7 @@ _FAILURES: Mapping[str, str] = {
     Failure.FLOODED_EARLY: "anchors that flood before their release, which sink the vehicle nose first",
     Failure.LINE_PARTED: "lines that part",
     Failure.NOT_SURFACED: "vehicles that do not surface",
+    Failure.NOT_HOVERING: "vehicles that do not come to hover",
     Failure.OUT_OF_ENERGY: "empty batteries",
     Failure.LEFT_RECORD: "missions that leave the record of the current",
     Failure.OUTRUN: "currents faster than the vehicle",
@@ -58,7 +59,7 @@ def worst_step(outcome: Outcome) -> Attrition | None:
 def failure_in_words(step: str) -> str:
     """Write a step at which missions fail as a plural: ``missed arrivals (ingress)``."""
     phase, _, what = step.rpartition(": ")
-    words = _FAILURES.get(what, f"“{what}”")
+    words = _FAILURES.get(what.partition(", ")[0], f"“{what}”")  # without the state in which equipment leaves it
     return f"{words} ({phase_in_words(phase)})" if phase else words
 
 
@@ -232,7 +233,8 @@ def sensitivity_sections(outcome: Outcome) -> Iterator[PageSection]:
     # name the input that accounts for most of a figure, of those that vary enough to be worth a thought
     varying = [group for group in drawn if _spread(outcome, group[0]) > _STEADY] or drawn
     output, (first, *_) = max(varying, key=lambda group: group[1][0].first_order)
-    share = f"{100.0 * first.first_order:.0f}\u00a0%"
+    part = 100.0 * min(first.first_order, 1.0)
+    share = f"{number(part, 0.1 * part)}\u00a0%"
     source = capitalised(in_words(first.source))
     yield PageSection(
         f"{source} matters most: it accounts for {share} of the variance of the {in_words(output)}",
@@ -267,7 +269,9 @@ def _spread(outcome: Outcome, output: str) -> float:
 
 
 def _direction(influence: Sensitivity) -> str:
-    """Whether a larger input makes the figure larger, by the sign of the rank correlation."""
+    """Whether a larger input makes the figure larger, by the sign of the rank correlation, if that tells most of it."""
     if influence.source.endswith((".member", ".one-of", "posterior")):  # these have numbers, and no order
         return ""
+    if influence.rank_correlation**2 < 0.5 * influence.first_order:  # such as an error, of which either sign does harm
+        return "larger or smaller"
     return "larger" if influence.rank_correlation >= 0.0 else "smaller"

@@ -62,7 +62,8 @@ def answer(found: Alternatives) -> str:
         parts.append(f"The missions have unlike tasks: {differ}.")
     parts += [choices_in_words(found) if found.compared != "simulate" else "", _judged(found)]
     if best.missed and np.isfinite(best.success.value):
-        parts.append(f"Even {best.name} misses {len(best.missed)} of its {len(best.requirements)} requirements.")
+        which = f"{len(best.missed)} of its {len(best.requirements)} requirements"
+        parts.append(f"Even {best.name} misses {which if len(best.requirements) > 1 else 'its requirement'}.")
     differing = [each for each in found.differing if each.path != "name"]
     if not differs and 0 < len(differing) <= _MOST_NAMED:
         named = [f"{in_words(each.path)} ({', '.join(value or '–' for value in each.values)})" for each in differing]
@@ -114,7 +115,9 @@ def _alike_in_success(best: Alternative, alike: list[Alternative], *, is_rest: b
     )
     contrast = alike[0].contrasts["success"]
     by = f"{alike[0].name} differs by {with_error(contrast.difference, contrast.error, PERCENT)}"
-    if not contrast.difference and not contrast.error:
+    if not best.success.value and not contrast.difference:
+        by = "none succeeds in any trial"
+    elif not contrast.difference and not contrast.error:
         by = "they succeed in the same trials" if contrast.paired else "they succeed equally often"
     return f"{who} by P(success) ({by})."
 

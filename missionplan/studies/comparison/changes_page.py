@@ -161,8 +161,9 @@ def answer(comparison: Comparison) -> str:
             f"{len(changed)} of {len(judged)} numbers changed by more than Monte-Carlo noise, most clearly the "
             f"{name_of(comparison, largest)} ({shown_change(comparison, largest)})."
         )
-    elif any(item.verdict == "within noise" for item in judged):
-        numbers = "No number changed by more than Monte-Carlo noise."
+    elif unlike := {item.verdict for item in comparison.differences} - {"same", "only first", "only second"}:
+        is_judged = "within noise" in unlike
+        numbers = f"No number {'changed' if is_judged else 'is known to have changed'} by more than Monte-Carlo noise."
     success = [_success(comparison, each) for each in comparison.success]
     requirements = _requirement_changes(comparison.requirement_changes)
     return " ".join(filter(None, [_unlike(comparison), *success, *requirements, numbers]))
@@ -175,7 +176,7 @@ def _unlike(comparison: Comparison) -> str:
         return f"The missions have unlike tasks: they differ {task_in_words(comparison.task_differs)}."
     if comparison.alike:
         return ""
-    what = f"{len(comparison.mission_changes)} values of their files differ"
+    what = f"{_count(comparison.mission_changes, 'value')} of their files differ"
     if first != second:
         what = f"the first has {first}, the second {second}"
     return f"The two missions are not alike: {what}; only what both have is compared."
@@ -193,20 +194,15 @@ def _success(comparison: Comparison, success: ComparedNumber) -> str:
 
 
 def _requirement_changes(changes: Sequence[ChangedValue]) -> Iterator[str]:
-    """Write what became of the requirements; those that were met and were dropped in one sentence."""
-    dropped = [change for change in changes if not change.second and change.first == "met"]
-    together = len(dropped) > 1
+    """Write what became of the requirements."""
     for change in changes:
         name = in_words(change.path)
         if not change.first:
             yield f"The new requirement on the {name} is {change.second}."
         elif change.second:
             yield f"The requirement on the {name} was {change.first} and is now {change.second}."
-        elif not (together and change in dropped):
+        else:
             yield f"The requirement on the {name}, which was {change.first}, has been dropped."
-    if together:
-        *names, last = (f"the {in_words(change.path)}" for change in dropped)
-        yield f"The requirements on {', '.join(names)} and {last}, which were met, have been dropped."
 
 
 def _count(items: Sequence[object], noun: str) -> str:

@@ -46,8 +46,8 @@ SECTIONS = {
 _NAMES, _NUMBERS, _BOUNDS = ("name", "quantity"), ("sigma_m_s", "d_max_m"), get_args(Bound)
 """Keys that identify the items of a list."""
 _NOT_RESULTS = ("required", *_BOUNDS, "met", "undecided", "trials_to_decide")
-_NOISY = {"sweep-dmax": ("sweep",), "size-anchor": ("probable",)}
-"""Sections whose plain numbers result from a search over noisy values."""
+_NOISY = {"simulate": ("requirements",), "sweep-dmax": ("sweep",), "size-anchor": ("probable",)}
+"""Sections whose plain numbers are quantiles, or result from a search over noisy values."""
 _KINDS = ("quantities", "events")
 """Keys of a phase's numbers, whatever a phase is called."""
 _MAX_DEPTH = 20
@@ -96,9 +96,12 @@ def _walk(value: object, path: KeyPath, error: float) -> Iterator[tuple[KeyPath,
 def _walk_mapping(value: Mapping[str, object], path: KeyPath, error: float) -> Iterator[tuple[KeyPath, SummaryNumber]]:
     """Read a statistic, a point of a sweep, a probability, or what is under the keys of any other mapping."""
     is_cost = "mean" not in value
-    estimate, standard_error = value.get("cost" if is_cost else "mean"), value.get("standard_error")
-    if _is_number(estimate) and _is_number(standard_error):
-        yield (*path, "cost") if is_cost else path, SummaryNumber("mean", float(estimate), float(standard_error))
+    estimate = value.get("cost" if is_cost else "mean")
+    if _is_number(estimate) and "standard_error" in value:  # null of a single trial
+        yield (
+            (*path, "cost") if is_cost else path,
+            SummaryNumber("mean", float(estimate), real(value["standard_error"])),
+        )
         if is_cost and _is_number(d_max := value.get("d_max_m")):
             yield (*path, "d_max_m"), SummaryNumber("number", float(d_max), error)
     elif set(value) == {"value", "low", "high"}:

@@ -61,7 +61,7 @@ def answer(found: Exploration) -> str:
     if unrun:
         sentences.append(f"{unrun} of the {len(found.cells)} {tried(found)} cannot be run; the report says why.")
     if dropped:
-        sentences.append(f"{dropped} {tried(found)} that cannot be the best were run with fewer trials.")
+        sentences.append(f"With fewer trials were run those that cannot be the best: {dropped} of the {tried(found)}.")
     return " ".join(filter(None, sentences))
 
 
@@ -90,7 +90,10 @@ def quantity_in_words(found: Exploration, cell: Cell, key: str, *, alone: bool =
 def _as_good(found: Exploration) -> str:
     """Write which cells the trials cannot tell from the best."""
     count = sum(cell.as_good for cell in found.cells)
-    noise = f"as far as {found.provenance.trials} trials tell"
+    trials = found.provenance.trials
+    noise = f"as far as {'1 trial tells' if trials == 1 else f'{trials} trials tell'}"
+    if len(found.valid) < 2:
+        return ""
     if count < 2:
         is_short = found.constrained and not all(cell.meets_all for cell in found.valid)
         return f"Every other one tried {'misses a requirement or ' * is_short}{_WORSE[found.aim]}, {noise}."
@@ -136,11 +139,6 @@ _MOST_ROWS = 40
 _MOST_REASONS = 12
 _MOST_NARROW = 3
 """Quantities that fit on a terminal."""
-_UNLESS: dict[Aim, str] = {
-    "success": "unless the best succeeds more often",
-    "energy": "unless the best takes less energy",
-    "duration": "unless the best is faster",
-}
 _STATUS: dict[Status, str] = {
     "met": "met",
     "undecided": "undecided",
@@ -197,7 +195,9 @@ def _verdict(found: Exploration) -> str:
         return "bad"
     best = found.best_cell
     doubts = [(each.probability, each.good) for each in found.members]
-    if not any(cell.status == "met" for cell in found.cells) or (best and hangs_on_doubt(best.success, doubts)):
+    if best and best.success.high < 0.5:
+        return "bad"
+    if not best or best.status != "met" or hangs_on_doubt(best.success, doubts):
         return "undecided"
     return "good"
 
@@ -235,9 +235,9 @@ def _good(found: Exploration) -> Iterator[PageSection]:
     if good:
         text = (
             f"{capitalised(tried(found))} are compared trial by trial on the same random numbers. One counts as good "
-            f"{_UNLESS[found.aim]} by more than chance, at 5 % for all together (Bonferroni)."
+            f"unless it {_WORSE[found.aim]} by more than chance, at 5 % for all together (Bonferroni)."
         )
-        more = "" if len(good) == 1 else f"; {len(good) - 1} more are as good"
+        more = "" if len(good) == 1 else f"; {len(good) - 1} more {'is' if len(good) == 2 else 'are'} as good"
         best = place_in_words(found, found.best_cell or good[0])
         yield PageSection(capitalised(f"{best} is the best{more}"), [text, _table(found, good)])
 

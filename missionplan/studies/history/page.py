@@ -11,7 +11,7 @@ from missionplan.errors import InputError, Problem, did_you_mean, shown
 from missionplan.report.diagnosis.findings import ageing_in_words
 from missionplan.report.page import BLUE, GREY, ORANGE, Cells, Figure, Page, PageSection, Table, to_figure, typed
 from missionplan.report.quantities import Unit, reader_unit
-from missionplan.report.wording import capitalised, listed, parameter_in_words
+from missionplan.report.wording import listed, parameter_in_words
 from missionplan.studies.history.result import History, Learned
 
 MOST_PANELS = 12
@@ -67,7 +67,7 @@ def answer(history: History) -> str:
     """Say how many diagnoses there are, what changed last, and what held still; and what fails how often."""
     told = [*ageing_in_words(history.levels, {})]
     for rate in history.rates:
-        counted = capitalised(f"{rate.failures:g} failures in {rate.exposure:g} {rate.unit}")
+        counted = f"{rate.failures:g} failure{'s' * (rate.failures != 1.0)} in {rate.exposure:g} {rate.unit}"
         unlike = ", unlike the mission's rate" if rate.surprise < SURPRISING else ""
         told.append(f"{counted}: {rate.rate:.2g} per {rate.per} ({rate.low:.2g} to {rate.high:.2g}){unlike}.")
     return " ".join([*([_learned_in_words(history)] if history.reports else []), *told]) or "Nothing new was counted."

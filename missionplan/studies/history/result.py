@@ -298,7 +298,7 @@ def rates_file(rates: Sequence[FailureRate], mission: Mission | None) -> str:
     sources = {key: str(each["source"]) for key, each in written if "source" in each}
     hazards = [each for key, each in written if key not in counted]
     for key, rate in counted.items():
-        seen = f"{rate.failures:g} failures in {rate.exposure:g} {rate.unit} of the fleet"
+        seen = f"{rate.failures:g} failure{'s' * (rate.failures != 1.0)} in {rate.exposure:g} {rate.unit} of the fleet"
         hazards.append(
             {
                 "per": rate.per,

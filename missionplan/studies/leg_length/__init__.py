@@ -184,7 +184,7 @@ class SweepScenario:
             raise InputError([Problem("ends where it starts; a sweep needs a distance", mission.file, key=phase.name)])
         drift, speed = float(np.hypot(*_mean_drift(means, phase, origin))), float(phase.speed)
         if drift >= speed:
-            message = f"the mean drift, {drift:.3g} m/s, is as fast as the vehicle, {speed:.3g} m/s: it cannot arrive"
+            message = f"the mean drift, {drift:.3g} m/s, reaches the vehicle's speed, {speed:.3g} m/s: it cannot arrive"
             raise InputError([Problem(message, mission.file, key=f"{phase.name}.speed")])
         needed = float(np.mean(means.transit_plan(phase).power_under_way)) * distance / (speed + drift)
         needed, capacity = needed / JOULES_PER_WATT_HOUR, float(np.max(means.capacity)) / JOULES_PER_WATT_HOUR

@@ -117,6 +117,8 @@ def _choice(plan: LegPlan) -> str:
         rule = f"with a failure counted as {FAILURE_LOSS:g} missions, {what} is best"
         if np.isfinite(plan.deadline):
             rule = f"{what} keeps the deadline of {time_in_words(plan.deadline)} most often"
+        if not np.isfinite(plan.chosen.cost):
+            return "No legs arrive of all that were tried."
         few = f"No legs arrive as often as {100.0 * plan.required_arrival:g}\u00a0%"
         return f"{few}; {rule}, and arrives in {arriving} of the trials.{speed}"
     not_yet = f"Nothing to choose yet:{first_do(plan.judged, plan.phase) or ''} as the mission stands,"
@@ -179,7 +181,7 @@ def _sections(plan: LegPlan) -> Iterator[PageSection]:
     if plan.candidates:
         yield _candidates_section(plan)
     yield from members_section(plan.arrivals, "plan", "arrive (95 % interval)", _SAILED)
-    surfacings = f"The vehicle surfaces {own.fixed.surfacings:.2f} times on average"
+    surfacings = f"The vehicle surfaces {number(own.fixed.surfacings, 0.02)} times on average"
     if plan.recommended:  # a fixed d_max stands among what changes
         spread = f"σ_v = {with_error(plan.planned_sigma, 0.0, reader_unit('m/s', 0.0))}"
         if plan.base_spread > 0.0:
@@ -206,7 +208,9 @@ def _sections(plan: LegPlan) -> Iterator[PageSection]:
     if plan.integral_applies:
         compared = [(own.fixed, plan.fixed_cost), *([(own.adaptive, plan.expected_cost)] if plan.adapts else [])]
         agree = all(abs(trials.cost - expected) <= 3.0 * trials.standard_error for trials, expected in compared)
-        heading = f"Trials and integral equation {'agree' if agree else 'differ by more than chance'}"
+        known = all(np.isfinite(trials.standard_error) for trials, _ in compared)
+        differ = "differ by more than chance" if known else "cannot be compared"
+        heading = f"Trials and integral equation {'agree' if agree else differ}"
         yield PageSection(heading, [trials_table(plan)])
 
 
@@ -233,7 +237,7 @@ def trials_table(plan: LegPlan) -> Table:
     plans = [(f"fixed d_max {length_in_words(plan.fixed_d_max)}", own.fixed, plan.fixed_cost)]
     plans += [("table of legs", own.adaptive, plan.expected_cost)] if plan.adapts else []
     rows = [
-        [name, with_error(it.cost, it.standard_error, PERCENT.bare), f"{it.surfacings:.2f}", percent(it.arrived)]
+        [name, with_error(it.cost, it.standard_error, PERCENT.bare), number(it.surfacings, 0.02), percent(it.arrived)]
         for name, it, _ in plans
     ]
     heads, caption = ["Plan", "Cost in the trials (%)", "Surfacings", "Arrive"], "Surfacing on arrival not charged."

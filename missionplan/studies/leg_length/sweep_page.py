@@ -34,6 +34,7 @@ _WHY_TEETH = (
     "a short last leg with a small error takes the vehicle in. So the cost is low just below each critical point, and "
     "high at it and just above. Where a whole leg errs by less than the arrival radius, teeth are small or reversed."
 )
+_COUNTED = "The surfacing on arrival is counted."
 _SAILED = "With the recommended d_max of the middle curve, and all trials in one member."
 _FEWEST_FOR_TEETH = 12
 """Points of a curve below which no tooth can be told."""
@@ -60,13 +61,13 @@ def page(sweep: Sweep) -> Page:
             ("Mean cost of those that arrive", with_error(chosen.cost, chosen.standard_error, PERCENT)),
         ],
         write=lambda: [
-            PageSection(_choice_heading(sweep), [choice_table(sweep), _as_good_in_words(sweep)]),
+            PageSection(_choice_heading(sweep), [choice_table(sweep), *filter(None, [_as_good_in_words(sweep)])]),
             *_explanation_section(sweep),
             *members_section(sweep.members, "plan", "arrive (95 % interval)", _SAILED),
             *_table_section(sweep),
             *_arrival_section(sweep),
             *([PageSection("The cost jumps at each critical point", [_WHY_TEETH])] if toothed else []),
-            PageSection(surfacings, [surfacings_figure(sweep), "The surfacing on arrival is counted."]),
+            *([PageSection(surfacings, [surfacings_figure(sweep), _COUNTED])] if np.isfinite(chosen.cost) else []),
             PageSection("The numbers behind the curves", [cost_table(sweep)]),
         ],
         verdict="" if meets and curve.reaches(chosen) else "bad",
@@ -190,19 +191,20 @@ def _chosen_rows(sweep: Sweep) -> tuple[list[str], list[list[str]]]:
 
 
 def _as_good_in_words(sweep: Sweep) -> str:
-    """Write which d_max the trials cannot distinguish from the best."""
+    """Write which d_max the trials cannot distinguish from the best; nothing where none arrives."""
     parts = []
     for curve in sweep.curves:
         ratios = [point.d_max_over_distance for point in curve.as_good]
-        if ratios:
+        if ratios and np.isfinite(curve.recommended.cost):
             low, high = f"{min(ratios):.3f}", f"{max(ratios):.3f}"
             parts.append(
                 f"{low if low == high else f'{low} to {high}'} for σ_v = {quantity(curve.sigma, 'm/s', '.3g')}"
             )
-    return (
+    as_good = (
         "As good as the best, as far as these trials show (cost higher by less than two standard errors of the paired "
         f"difference), is a d_max of these shares of the distance: {'; '.join(parts)}."
     )
+    return as_good if parts else ""
 
 
 def _table_section(sweep: Sweep) -> list[PageSection]:
@@ -233,7 +235,7 @@ def _arrival_section(sweep: Sweep) -> list[PageSection]:
     if worst.arrived.value >= 1.0:
         return []
     words = (
-        f"At d_max = {length_in_words(worst.d_max)} only {100 * worst.arrived.value:.1f} % of the trials arrive within "
+        f"At d_max = {length_in_words(worst.d_max)} only {share(worst.arrived)} of the trials arrive within "
         "the mission's max_legs. Costs are means over the trials that arrived: where some did not, they are too low."
     )
     return [PageSection("Not every trial arrives", [words])]

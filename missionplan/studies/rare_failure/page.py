@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from missionplan.report.page import Block, Cells, Page, PageSection, Table, typed
 from missionplan.report.quantities import Unit, reader_unit
 from missionplan.report.simulation.quantities import failure_in_words
-from missionplan.report.wording import capitalised, in_words, number
+from missionplan.report.wording import capitalised, in_words, number, raised
 from missionplan.studies.rare_failure import Cause, FailureMode, RareFailure, WayDriven
 
 _FAILS = "not total.success"
@@ -135,7 +135,7 @@ def _driven(found: RareFailure) -> Iterator[PageSection]:
     )
     heading = "Each way to fail, driven by its own margin"
     if unmet and found.reached:
-        heading = f"{len(unmet)} of {len(met) + len(unmet)} ways to fail were not met"
+        heading = f"Not met: {len(unmet)} of {len(met) + len(unmet)} ways to fail"
     columns = ("way to fail", "probability", "nearest without failing", "at most, by plain trials")
     yield PageSection(heading, [Table(columns, rows, caption)])
 
@@ -152,7 +152,7 @@ def _precision(found: RareFailure) -> Iterator[PageSection]:
     yield PageSection(
         f"Known to {100.0 * found.variation:.0f} % from {number(found.provenance.trials)} trials",
         [
-            f"{found.repetitions} independent runs of subset simulation with up to {found.levels} levels, each with a "
+            f"{found.repetitions} independent runs of subset simulation of at most {found.levels} levels, each with a "
             "pilot of its own; the interval follows from their scatter (Student's t on the logarithm). A plain Monte "
             f"Carlo would know the probability as well after {_power(found.plain_trials)} trials.",
             "The probability is that of the model: what the mission file leaves out is not in it, and one in a million "
@@ -172,9 +172,6 @@ def _numbers(found: RareFailure) -> list[tuple[str, str]]:
     ]
 
 
-_SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-
-
 def _power(value: float) -> str:
     """Write a probability or a number of trials in two digits: ``0.046``, ``1.2·10⁻⁶``, ``3.4·10⁸``."""
     if value <= 0.0 or not math.isfinite(value):
@@ -182,11 +179,11 @@ def _power(value: float) -> str:
     if 1e-3 <= value < 1e4:
         return f"{value:.2g}" if value < 100.0 else f"{value:.0f}"
     digits, exponent = f"{value:.1e}".split("e")
-    return f"{digits}·10{str(int(exponent)).translate(_SUPERSCRIPTS)}"
+    return f"{digits}·10{raised(str(int(exponent)))}"
 
 
 def _percent(share: float) -> str:
-    return f"{100.0 * share:.0f}\u00a0%"
+    return f"{100.0 * share:.{0 if 0.005 <= share < 0.995 or share == 1.0 else 1}f}\u00a0%"
 
 
 def failures(axes: Axes, found: RareFailure) -> None:

@@ -13,7 +13,7 @@ import numpy as np
 
 from missionplan.arrays import Scalars
 from missionplan.effects import CATALOGUE
-from missionplan.errors import InputError, MissionplanError, Problem
+from missionplan.errors import InputError, MissionplanError, Problem, counted
 from missionplan.mission import Mission
 from missionplan.mission.schema.phases import LegTableSection, TransitPhase
 from missionplan.mission.views import missing_for_moorings, missing_for_transitions, missing_for_transits
@@ -153,8 +153,8 @@ def _nominal(mission: Mission, means: Scenario, current: RecordedCurrent, lasts:
         until = f"ends at {_moment(mission, ends[-1])}" if mission.start else f"takes {ends[-1]:.0f} s"
         message = f"{lasts}; the nominal mission {until}"
     else:
-        names = " and ".join(phase.name for phase in outside)
-        message = f"the nominal {names} leaves the record, which {_extent(mission, current)}"
+        names, verb = " and ".join(phase.name for phase in outside), "leaves" if len(outside) == 1 else "leave"
+        message = f"the nominal {names} {verb} the record, which {_extent(mission, current)}"
     return [_problem(mission, message)]
 
 
@@ -278,7 +278,7 @@ def _drift_notice(means: Scenario, phase: TransitPhase[Scalars]) -> str:
     vehicle_speed, drift_speed = float(phase.speed), float(np.hypot(*drift))
     if drift_speed < vehicle_speed:
         return ""
-    return f"{phase.name}: the mean drift, {drift_speed:.3g} m/s, is as fast as the vehicle, {vehicle_speed:.3g} m/s."
+    return f"{phase.name}: the mean drift, {drift_speed:.3g} m/s, reaches the vehicle's speed, {vehicle_speed:.3g} m/s."
 
 
 def _makes_anchors(mission: Mission) -> bool:
@@ -309,8 +309,8 @@ def run_notices(merged: "MergedBlocks", goal: "Precision | None") -> tuple[str, 
     trials, failures = merged.totals.trials, len(merged.failures)
     found = []
     if goal is not None and not goal.is_reached(merged.totals):
-        found.append(f"The precision asked for, {goal.text}, was not reached in {trials} trials.")
+        found.append(f"The precision asked for, {goal.text}, was not reached in {counted(trials, 'trial')}.")
     if failures:
         how = "missionplan.studies.simulation.simulate.simulate_block(mission, seed=…, block=…) runs one alone"
-        found.append(f"{failures} blocks of trials failed and are left out, see failed_blocks; {how}.")
+        found.append(f"Blocks of trials that failed and are left out: {failures}; see failed_blocks; {how}.")
     return tuple(found)

@@ -151,10 +151,10 @@ def answer(result: TideResult) -> str:
         f"with {number(speed(largest.major), speed(largest.major_error))}{speed.suffix}."
     )
     told = (
-        f"A forecast is within {quantity(_NINETY * shown.residual, 'm/s', '.2f')} of each component nine times in ten"
+        f"A forecast should be within {quantity(_NINETY * shown.residual, 'm/s', '.2f')} of a component 9 times in 10"
     )
     if shown.held_out is None:
-        return f"{first} {told}, if what is left stays as it was; {result.days:.0f} days are too few to test it."
+        return f"{first} {told}, if what is left stays as it was; {result.days:.1f} days are too few to test it."
     times = f"{100.0 * shown.held_out.coverage:.0f} times in 100"
     return f"{first} {told}: the last quarter of the record, forecast from the rest, was so {times}."
 
@@ -197,8 +197,8 @@ def _how_far(result: TideResult) -> PageSection:
     )  # fmt: skip
     begins = datetime.fromtimestamp(result.begins, UTC)
     caption = (
-        f"{result.days:.1f} days from {begins:%Y-%m-%d %H:%M} UTC, at {math.degrees(result.latitude):.2f}° north. What "
-        "is left is one standard deviation of a component, the fit's own errors included."
+        f"{result.days:.1f} days from {begins:%Y-%m-%d %H:%M} UTC, at latitude {math.degrees(result.latitude):.2f}°. "
+        "What is left is one standard deviation of a component, the fit's own errors included."
     )
     short = [f"The record is {words}." for words in result.unresolved]
     return PageSection("How far it can be trusted", [Table(columns, rows, caption, text_columns=0), *short])

@@ -293,3 +293,17 @@ def test_phases_may_be_called_as_the_keys_of_a_summary_are(report):
     assert [each.group for each in changed] == list(names)
     assert [each.first for each in changed] == [0.0, 100.0, 200.0, 300.0, 400.0]
     assert not set(changed) & set(found.deciding)
+
+
+def test_what_has_no_known_noise_is_not_said_to_have_changed(report):
+    def one_trial(offset, reached):
+        quantities = {"offset_m": statistic(offset, None), "duration_s": statistic(1200.0, 0.0)}
+        required = {"quantity": "moor.offset", "at_most": 20.0, "required": 0.9, "reached": reached}
+        phases = [{"name": "moor", "kind": "moor", "quantities": quantities, "events": {}}]
+        return {**simulated(trials=1), "phases": phases, "requirements": [required]}
+
+    found = compare(report(one_trial(6.8, 7.7)), report(one_trial(1.2, 8.0)))
+    verdicts = {(item.group, item.key): item.verdict for item in found.differences if item.change}
+    assert set(verdicts.values()) == {"not judged"}
+    assert len(verdicts) == 2
+    assert terminal_view(found).sentence.endswith("No number is known to have changed by more than Monte-Carlo noise.")

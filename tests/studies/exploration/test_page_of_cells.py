@@ -101,7 +101,7 @@ def test_the_headline_names_the_best_what_is_as_good_and_where_all_is_met():
     assert alone.startswith("For the least energy the best line length (moor) is 4 m")
     assert "Every other one tried misses a requirement or takes more energy, as far as 1000 trials tell." in alone
     raced = plain(pages.answer(exploration([replace(each, dropped=each.place == (0,)) for each in CELLS])))
-    assert raced.endswith("1 choices that cannot be the best were run with fewer trials.")
+    assert raced.endswith("With fewer trials were run those that cannot be the best: 1 of the choices.")
     assert "All requirements are met" not in raced
     assert "None of the choices can be compared" in pages.answer(exploration(best=None))
 
@@ -136,7 +136,7 @@ def test_tables_have_each_cell_s_numbers():
     assert rows[5] == ["7 m", "cannot be run", "–", "–", "–", "–", "–"]
     (window, good) = pages._good(exploration())
     assert [plain(each) for each in window.blocks[0].rows[0]] == ["3 to 5 m", "3", "94.0 ± 1.5 %"]  # the least of them
-    assert good.heading == "4 m is the best; 1 more are as good"
+    assert good.heading == "4 m is the best; 1 more is as good"
     *_, invalid = pages._others(exploration())
     assert invalid.blocks[0].rows == [("7 m", "1", "the line is too long")]
     _, narrow = pages._cells(exploration())
@@ -144,6 +144,12 @@ def test_tables_have_each_cell_s_numbers():
     assert [row[1] for row in narrow] == ["not met", "as good", "best", "met", "not met", "cannot be run"]
     assert pages._verdict(exploration()) == "good"
     assert pages._verdict(exploration([CELLS[0], CELLS[4]])) == "bad"
+    best = CELLS[2]
+    unsure = replace(best, requirements=tuple(replace(each, undecided=True) for each in best.requirements))
+    assert pages._verdict(exploration([*CELLS[:2], unsure, *CELLS[3:]])) == "undecided"  # another is sure
+    hopeless = replace(best, success=wilson(0, 1000))
+    assert pages._verdict(exploration([*CELLS[:2], hopeless, *CELLS[3:]])) == "bad"  # whatever else it meets
+    assert "Every other" not in pages.answer(exploration([best], best=0))
     assert pages.page(exploration()).numbers[1:] == [("Choices tried", "6"), ("Trials of each", "1000")]
     assert (
         pages.page(exploration()).rerun

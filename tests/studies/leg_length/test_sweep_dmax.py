@@ -196,7 +196,7 @@ def test_the_analytic_form_is_refused_where_it_does_not_hold(small):
 
 
 def test_a_drift_as_fast_as_the_vehicle_is_refused(small):
-    with pytest.raises(InputError, match=r"the mean drift, 1\.1 m/s, is as fast as the vehicle, 1 m/s"):
+    with pytest.raises(InputError, match=r"the mean drift, 1\.1 m/s, reaches the vehicle's speed, 1 m/s"):
         sweep_dmax(small(error="{mean: [-1.1 m/s, 0 m/s], sigma: 0 m/s}"))
 
 

@@ -390,7 +390,7 @@ def test_a_drift_as_fast_as_the_vehicle_is_reported(tmp_path):
     changes = {**EXACT, "navigation.velocity_error": {"mean": ["-1.6 m/s", "0 m/s"], "sigma": "0.01 m/s"}}
     found = simulate(chesapeake(tmp_path, {**changes, "navigation.max_legs": 20}), trials=10, sheet=False)
     assert found.phases[0].events["arrived"].value == 0.0
-    assert any("as fast as the vehicle" in notice for notice in found.provenance.notices)
+    assert any("reaches the vehicle's speed" in notice for notice in found.provenance.notices)
 
 
 def test_keeping_trials_gives_one_row_each(tmp_path):
