@@ -16,7 +16,7 @@ from missionplan.phases.gridded_current import GriddedCurrent
 from missionplan.phases.grids import CellMesh, Grid, TriangleMesh
 from missionplan.phases.lattice import Indices, slopes_by_least_squares
 from missionplan.scenario.currents.area import Area, Turning, assembled, layer_depths, outside_of
-from missionplan.scenario.currents.files import FieldFiles, Moments, velocities
+from missionplan.scenario.currents.files import FieldFiles, Moments, standard_name, velocities
 from missionplan.scenario.currents.vertical import SKIN, SURFACE, good_down_to
 
 
@@ -214,7 +214,8 @@ def read_ugrid(files: FieldFiles, area: Area) -> GriddedCurrent:
     if described is None:
         raise files.problem("describes no mesh")
     attributes = files.variable(described).attrs
-    x, y = str(attributes["node_coordinates"]).split()
+    places = str(attributes["node_coordinates"]).split()
+    x, y = sorted(places, key=lambda name: standard_name(files.variable(name)) == "latitude")
     faces = _faces(files, str(attributes["face_node_connectivity"]))
     mesh = Mesh.of(files, area, (x, y), faces)
     names = (

@@ -204,6 +204,18 @@ def test_coordinates_in_metres_need_a_projection(tmp_path):
         read_field([str(tmp_path / "mesh.nc")], area(), "mesh.nc")
 
 
+def test_the_places_of_a_meshs_nodes_are_told_by_their_units_not_their_order(tmp_path):
+    made = ugrid(tmp_path / "mesh.nc", "node")
+    latitude, longitude = to_geographic(made["x"], made["y"], ORIGIN)
+    for order in ("node_x node_y", "node_y node_x"):
+        with netcdf.Dataset(tmp_path / "mesh.nc", "a") as file:
+            file["node_x"][:], file["node_y"][:] = np.degrees(longitude), np.degrees(latitude)
+            file["node_x"].units, file["node_y"].units = "degrees_east", "degrees_north"
+            file["mesh"].node_coordinates = order
+        current = read_field([str(tmp_path / "mesh.nc")], area(), "mesh.nc")
+        assert current.grid.points == pytest.approx(np.stack((made["x"], made["y"])), abs=0.01)
+
+
 def test_a_projection_places_the_mesh_and_turns_its_velocities(tmp_path):
     """UTM zone 10 has its meridian at 123° W: at 124° W and 45° N grid north is 0.71° west of north."""
     made = ugrid(tmp_path / "mesh.nc", "node")
