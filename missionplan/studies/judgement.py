@@ -13,9 +13,9 @@ from missionplan.effects import CATALOGUE
 from missionplan.errors import InputError, MissionplanError
 from missionplan.mission import Mission
 from missionplan.mission.changes import changed_data
-from missionplan.mission.schema.site import CurrentFile, TidalCurrent
+from missionplan.mission.schema.site import CurrentFile, CurrentLayer, TidalCurrent
 from missionplan.mission.schema.vehicle import Anchor
-from missionplan.montecarlo.distributions import mean_of, sd_of
+from missionplan.montecarlo.distributions import Quantity, mean_of, sd_of
 from missionplan.montecarlo.statistics import Count, Probability
 from missionplan.results.decision import Assumption
 from missionplan.results.entries import mappings
@@ -146,7 +146,12 @@ def _current(mission: Mission) -> Iterator[Doubt]:
             error = {"sigma": "0.1 m/s", "time": "12 h"}
             first = "find how far the current was from such records (site.current.error)"
             yield Doubt("the current is as recorded", "0.1 m/s off on each axis", {"site.current.error": error}, first)
-        return
+    else:
+        yield from _layers(mission, current)
+
+
+def _layers(mission: Mission, current: Sequence[CurrentLayer[Quantity]]) -> Iterator[Doubt]:
+    """Yield layers of a current whose speeds are taken as exact, or that stay as at the start."""
     exact = {
         f"site.current[{number}].speed": {"mean": f"{mean_of(layer.speed)!r} m/s", **_SD}
         for number, layer in enumerate(current)
