@@ -221,23 +221,24 @@ def at_date(
 
 
 def drifted(draws: WeightedDraws, seen: Sequence[Seen], ahead: float, missions: float = 1.0) -> WeightedDraws:
-    """Return draws at a date: moved and widened to the levels then, in which every record counts, whatever came last.
+    """Return draws at a date: moved and widened as the levels since the record that came last, whichever its date.
 
-    What records tell of a level is read from the first set that has it: the others keep what they differ by from that.
     In each set of effects, what is added to a level is independent of the others.
 
     Parameters as of `at_date`.
     """
     columns = _columns(draws)
     for key, series in series_of(seen).items():
-        sets = list(_rows_of_sets(draws, columns[key[0], key[1]])) if key[:2] in columns else []
-        if not sets:
+        if key[:2] not in columns:
             continue
         found, then = series.levels(ahead, missions)
-        mean, sd = (float(each[0]) for each in found.at(np.array([then])))
-        before, variance = _moments(_coordinate(columns, key, sets[0]), draws.weights[sets[0]])
-        for rows in sets:
-            _move(columns, key, rows, draws.weights[rows], mean - before, sd**2 - variance)
+        last = [each.record for each in seen if each.of == key][-1]
+        told = [each.record for each in series.records[-MOST:]]
+        at = found.measured.times[told.index(last) if last in told else -1]
+        mean, sd = found.at(np.array([at, then]))
+        shift, added = float(mean[1] - mean[0]), float(sd[1] ** 2 - sd[0] ** 2)
+        for rows in _rows_of_sets(draws, columns[key[0], key[1]]):
+            _move(columns, key, rows, draws.weights[rows], shift, added)
     return _with_columns(draws, columns)
 
 
@@ -256,7 +257,9 @@ def faded(draws: WeightedDraws, alike: Mapping[str, float]) -> WeightedDraws:
         for kind in ("cosine", "sine") if name in dict(info.polar) else ("strength",):
             for rows in _rows_of_sets(draws, columns[effect, name]):
                 weights, key = draws.weights[rows], (effect, name, kind)
-                mean, variance = _moments(_coordinate(columns, key, rows), weights)
+                own = _coordinate(columns, key, rows)
+                mean = float(np.average(own, weights=weights))
+                variance = float(np.average(np.square(own - mean), weights=weights))
                 _move(columns, key, rows, weights, (share - 1.0) * mean, (1.0 - share**2) * (wide - variance))
     return _with_columns(draws, columns)
 
@@ -281,12 +284,6 @@ def _rows_of_sets(draws: WeightedDraws, values: Array) -> Iterator[NDArray[np.in
         rows = np.flatnonzero((draws.which == number) & np.isfinite(values))
         if len(rows):
             yield rows
-
-
-def _moments(own: Array, weights: Array) -> tuple[float, float]:
-    """Mean and variance of weighted draws."""
-    mean = float(np.average(own, weights=weights))
-    return mean, float(np.average(np.square(own - mean), weights=weights))
 
 
 def _coordinate(columns: Mapping[tuple[str, str], Array], key: LevelKey, rows: NDArray[np.int_]) -> Array:
