@@ -269,7 +269,7 @@ class _Sets:
         found = dict.fromkeys([*self._unnamed.values(), *smooth], 0.0)
         for (causes, number), probability in joint.items():
             words = [self._unnamed[name] for name in causes if name in self._unnamed]
-            for each in [*words, *([smooth[number - 1]] if number else [])]:
+            for each in {*words, *([smooth[number - 1]] if number else [])}:
                 found[each] += probability
         return tuple(Response(*words, probability) for words, probability in found.items())
 

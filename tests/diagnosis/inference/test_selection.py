@@ -163,6 +163,13 @@ def test_a_response_stands_beside_what_has_no_name_too() -> None:
     assert by_words["drag that changes with time"] == pytest.approx(odds / (1.0 + odds), abs=0.01)
 
 
+def test_an_effect_and_a_smooth_response_in_the_same_words_count_once() -> None:
+    model = Written({(OTHER,): 40.0}, unnamed=(OTHER,), responses={(OTHER,): 12.0})
+    model.unnamed[OTHER] = ("time", "drag that changes with time")
+    (told,) = weigh(model, no_progress).responses  # type: ignore[arg-type]
+    assert told.probability == pytest.approx(1.0)
+
+
 def test_what_has_no_name_has_together_the_prior_of_one_effect_with_a_name() -> None:
     """By hand: half of it two effects, half of it something smooth."""
     found = selected({(DRAG,): 20.0, (OTHER,): 20.0, (ANOTHER,): -50.0}, responses={(): 20.0}, unnamed=(OTHER, ANOTHER))
