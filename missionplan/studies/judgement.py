@@ -161,10 +161,11 @@ def _layers(mission: Mission, current: Sequence[CurrentLayer[Quantity]]) -> Iter
         first = "find how the layers' speeds vary from day to day (sd of site.current's speeds)"
         yield Doubt("the layers flow just as fast as stated", "0.1 m/s faster or slower", exact, first)
     fastest = max((abs(mean_of(layer.speed)) for layer in current), default=0.0)
-    if mission.transits and fastest and not any(each.effect == "tidal-current" for each in mission.effects):
+    name = next(name for name, info in CATALOGUE.items() if {f"m2_{axis}" for axis in _AXES} <= info.parameters.keys())
+    if mission.transits and fastest and not any(each.effect == name for each in mission.effects):
         strength, phase = {"low": f"{-fastest!r} m/s", "high": f"{fastest!r} m/s"}, f"{math.pi / 2.0!r} rad"
         tide = {f"m2_{axis}": strength for axis in _AXES} | {f"m2_{axis}_phase": phase for axis in _AXES}
-        changes = {"effects": [*mappings(mission.raw.get("effects")), {"tidal-current": tide}]}
+        changes = {"effects": [*mappings(mission.raw.get("effects")), {name: tide}]}
         first = "find the tide in a record of the site's current (missionplan tide)"
         yield Doubt("the current stays as at the start", "a tide up to as strong from then on", changes, first)
 
