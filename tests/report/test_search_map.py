@@ -13,7 +13,7 @@ LIMITS = np.array([[-3000.0, 7000.0], [-3000.0, 3000.0]])
 
 def area(hours: float, east: float, radius: float) -> SimpleNamespace:
     ring = np.stack((east + radius * np.cos(ANGLE), radius * np.sin(ANGLE)))
-    return SimpleNamespace(overdue=3600.0 * hours, centre_east=east, points=ring)
+    return SimpleNamespace(after="moor", overdue=3600.0 * hours, centre_east=east, points=ring)
 
 
 def test_hours_stand_beside_their_area_and_on_no_line():
