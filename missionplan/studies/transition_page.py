@@ -8,6 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure as MatplotlibFigure
 
 from missionplan.arrays import Array
+from missionplan.errors import counted
 from missionplan.report.axes import name_axis
 from missionplan.report.page import BLUE, GREEN, GREY, ORANGE, Cells, Figure, Page, PageSection, Table, to_figure, typed
 from missionplan.report.quantities import as_written, quantity, span_of
@@ -36,9 +37,7 @@ def unassisted_figure(result: TransitionSweep) -> Figure:
         point, corner = f"A: {quantity(result.saturation_speed, 'm/s', '.2f')}", (crossing, depth.get_ylim()[1])
         depth.annotate(point, corner, (-4, -4), textcoords="offset points", ha="right", va="top")
     angles.legend(loc="upper left")
-    alt = (
-        "Pitch, sternplane and rise against time without thrusters: once the sternplane is at its limit depth is lost."
-    )
+    alt = "Pitch, sternplane and rise against time without thrusters."
     caption = "Without thrusters (the paper's Fig. 3); speed falls with time."
     return to_figure(figure, "fig-3-no-thrusters", alt, caption)
 
@@ -57,23 +56,14 @@ def _draw_histories(
     axes.legend(ncols=2)
 
 
-_HISTORIES = {
-    6: ("depth", False, "Rise above the target depth against time: larger for lower mid-transition speeds."),
-    7: ("depth", True, "Rise above the target depth against time for each steepness of the interchange."),
-    8: ("pitch", False, "Pitch against time: lower mid-transition speeds pitch further and swing more at hover."),
-    9: ("pitch", True, "Pitch against time for each steepness of the interchange."),
-}
-"""By the number of the paper's figure: what is drawn, whether for each steepness, and the alternative text."""
-
-
 def history_figure(result: TransitionSweep, number: int) -> Figure:
     """Draw rise or pitch against time for each mid-transition speed or steepness (Figs. 6 to 9)."""
-    what, by_steepness, alt = _HISTORIES[number]
-    figure = MatplotlibFigure()
-    draw = rise if what == "depth" else pitch
+    by_steepness, figure = number in (7, 9), MatplotlibFigure()
+    draw, what, word = (rise, "Rise above the target depth", "depth") if number < 8 else (pitch, "Pitch", "pitch")
     draw(figure.subplots(), result, by_steepness=by_steepness)
     varied = "steepness of the interchange" if by_steepness else "mid-transition speed u*"
-    return to_figure(figure, f"fig-{number}-{what}", alt, f"By {varied} (the paper's Fig. {number}).")
+    alt = f"{what} against time for each {varied}."
+    return to_figure(figure, f"fig-{number}-{word}", alt, f"By {varied} (the paper's Fig. {number}).")
 
 
 def rise(axes: Axes, result: TransitionSweep, *, by_steepness: bool = False) -> None:
@@ -120,7 +110,7 @@ def pitch_by_variant(result: TransitionSweep) -> Figure:
     axes.set_xlabel("time since the deceleration began (s)")
     axes.set_ylabel("pitch (°)")
     axes.legend()
-    alt = "Pitch against time of the three variants: the pair's oscillation dies out, the others' goes on."
+    alt = "Pitch against time of the three variants: one thruster, one with suction, a pair."
     return to_figure(figure, "fig-14-pitch", alt, "The three variants (the paper's Fig. 14).")
 
 
@@ -141,7 +131,7 @@ def page(result: TransitionSweep) -> Page:
 
 def _cells(result: TransitionSweep) -> Cells:
     cells = result.shown(FORCE)
-    cells = cells[cells["steepness_m_s"] == cells["steepness_m_s"].median()]
+    cells = cells[cells["steepness_m_s"] == cells["steepness_m_s"].quantile(interpolation="lower")]
     names = ("mid_speed_m_s", "depth_excursion_m", "pitch_excursion_rad", "energy_common_wh", "energy_to_hover_wh")
     rows = [
         (
@@ -149,7 +139,7 @@ def _cells(result: TransitionSweep) -> Cells:
             quantity(depth, "m", ".2f"),
             f"{np.degrees(pitch):.1f}°",
             f"{common:.1f} W h",
-            f"{own:.1f} W h",
+            f"{own:.1f} W h" if np.isfinite(own) else "never",
         )
         for speed, depth, pitch, common, own in cells[list(names)].to_numpy(dtype=float)
     ]
@@ -159,11 +149,14 @@ def _cells(result: TransitionSweep) -> Cells:
 
 def answer(result: TransitionSweep) -> str:
     """Write below which speed the vehicle needs thrusters, and the speed at which they take least energy."""
-    best = result.best
+    best, hovers = result.best, np.isfinite(result.shown(FORCE)["hover_time_s"])
     slowest = result.saturation_speed
     alone = "holds depth at all speeds tried"
     if np.isfinite(slowest):
         alone = f"cannot hold depth below {quantity(slowest, 'm/s', '.2f')}"
+    if not hovers.all():
+        runs = counted(len(hovers), "run")
+        return f"Without thrusters the vehicle {alone}. With one tunnel thruster it hovers in {hovers.sum()} of {runs}."
     return (
         f"Without thrusters the vehicle {alone}. One tunnel thruster takes it to hover with least energy, "
         f"{best['energy_common_wh']:.1f} W h, at a mid-transition speed of "
@@ -183,17 +176,11 @@ def _numbers(result: TransitionSweep) -> list[tuple[str, str]]:
 
 
 def _sections(result: TransitionSweep) -> list[PageSection]:
-    energy = result.shown(FORCE)["energy_common_wh"]
     return [
-        PageSection("Lower mid-transition speeds cost depth", [history_figure(result, number) for number in (6, 7)]),
-        PageSection(
-            "Pitch grows likewise, and keeps swinging at hover", [history_figure(result, number) for number in (8, 9)]
-        ),
-        PageSection(
-            f"Slowing down takes {energy.min():.1f} to {energy.max():.1f} W h",
-            [energy_figure(result, "a"), energy_figure(result, "b"), energy_table(result)],
-        ),
-        PageSection("A pair of thrusters damps the pitch", [pitch_by_variant(result), variant_table(result)]),
+        PageSection("Depth by speed and steepness of the interchange", [history_figure(result, n) for n in (6, 7)]),
+        PageSection("Pitch by the same", [history_figure(result, number) for number in (8, 9)]),
+        PageSection("Energy by the same", [*(energy_figure(result, each) for each in "ab"), energy_table(result)]),
+        PageSection("One thruster, with suction, and a pair", [pitch_by_variant(result), variant_table(result)]),
         PageSection("Limits of these results", [_limits(result)]),
     ]
 
@@ -201,8 +188,8 @@ def _sections(result: TransitionSweep) -> list[PageSection]:
 def _limits(result: TransitionSweep) -> str:
     share = result.cells["energy_out_of_range"].max()
     return (
-        "Derivatives, inertia, propeller and gains of the example are not Autosub's: the vehicle file marks what is "
-        f"assumed or calibrated. At most {100 * share:.1f} % of a run's energy was spent beyond the force minimum, "
+        "Derivatives, inertia, propeller and gains are those of the vehicle file: see there what is assumed. "
+        f"At most {100 * share:.1f} % of a run's energy was spent beyond the force minimum, "
         "where the thrusters' exponential loss has not been checked. Stall of the sternplanes is not modelled."
     )
 

@@ -94,7 +94,7 @@ def test_tables_of_the_evidence_have_each_number_in_its_column() -> None:
     ]
     assert plain(table[3].rows) == [["fraction of speed scale", "0.2", "0.12 to 0.285", ""]]
     (section,) = evidence.held_out_section(diagnosed(best=None))
-    assert section.heading.startswith("2 of 3 parts are predicted better")
+    assert section.heading.startswith("Predicted better when held out: 2 of 3 parts")
     assert plain(section.blocks[1].rows)[:2] == [["part 0", "+3.0", "0.04", "0.02"], ["part 1", "-1.5", "1.04", "1.02"]]
     (section,) = evidence.known_section(diagnosed())
     assert plain(section.blocks[0].rows) == [

@@ -72,6 +72,11 @@ def test_a_leg_length_that_serves_is_left(after: dict[str, Any], kept: dict[str,
     assert "(expected: 0 %)" in words
 
 
+def test_a_current_that_helps_takes_less_than_the_straight_way_s_time() -> None:
+    (words,) = plan_words(diagnosed(legs(16e3, 0.0), legs(16e3, -0.012), legs(16e3, -0.012)))
+    assert "serves: it takes 1.2 % less than the straight way's time (expected: 0 %)" in words
+
+
 def test_what_stands_in_the_mission_is_held_against_the_new_plan_and_no_third_length_is_named() -> None:
     found = diagnosed(legs(564.0, 0.0), legs(484.0, 0.02), legs(564.0, 0.078), own=legs(300.0, 0.05))
     (words,) = plan_words(found)

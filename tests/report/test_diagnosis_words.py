@@ -9,7 +9,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from missionplan.mission.includes import hash_of
-from missionplan.report.diagnosis import campaign, evidence, findings, kind_report, page
+from missionplan.report.diagnosis import campaign, evidence, findings, kind_report, page, scoring
 from missionplan.results.learned.evidence import (
     Alias,
     Coverage,
@@ -33,7 +33,8 @@ def ranked(*causes: str, score: float = 4.0, posterior: float | None = 0.75) -> 
 
 def diagnosed(best: RankedSet | None, **given: Any) -> Any:
     usual = {"kind": "transit", "best": best, "causes": best.causes if best else (), "ranking": (best,) if best else (), "none_of_these": 0.123, "nothing": 0.8,
-             "verdict": "explained", "coverage": None, "scores": (), "indistinguishable": (), "untestable": {}}  # fmt: skip
+             "verdict": "explained", "coverage": None, "scores": (), "indistinguishable": (), "untestable": {}, "learned_from": ("a",), "suspect_labels": "",
+             "readings": SimpleNamespace(wrong_fixes=()), "discrepancy": SimpleNamespace(axis=None)}  # fmt: skip
     return SimpleNamespace(**{**usual, **given})
 
 
@@ -41,6 +42,13 @@ def diagnosed(best: RankedSet | None, **given: Any) -> Any:
     ("diagnosis", "words"),
     [
         (diagnosed(None), "Nothing of the catalogue could be fitted to these data."),
+        (diagnosed(None, learned_from=()), "Nothing of the catalogue was fitted: these data count once."),
+        (
+            diagnosed(ranked("drag-bias", score=0.9), causes=(), nothing=0.4),
+            "Of the explanations tried none is claimed: the likeliest, drag bias, has a probability of 75.0 %, and that "
+            "there is some cause 60.0 %, of the 95 % that it needs. In doubt, that none of these is behind it has a "
+            "probability of 12.3 %.",
+        ),
         (
             diagnosed(ranked("drag-bias")),
             "Among the explanations tried, drag bias has a probability of 75.0 %; that none of these is behind it has a "
@@ -72,7 +80,7 @@ def diagnosed(best: RankedSet | None, **given: Any) -> Any:
 def test_what_was_tried_is_told_with_how_probable_it_is(diagnosis, words):
     first, *more = findings.how_sure(diagnosis)
     assert plain(first) == words
-    held_out = "predicted from the others: 3 of 4 parts are predicted better with what was found than without."
+    held_out = "from the others. Predicted better with what was found than without: 3 of 4 parts."
     assert [each.endswith(held_out) for each in more] == [True] * bool(diagnosis.causes)
 
 
@@ -100,6 +108,11 @@ def test_a_jump_and_a_trend_are_told_with_their_own_values() -> None:
     (trend,) = map(plain, findings.trends_in_words([found], simulated=True))
     assert "2.0 ± 0.2 %" in trend
     assert trend.endswith("The next mission is planned with 9.0 ± 0.4 %. In 16 missions it costs success.")
+    assert (
+        "with each mission fraction of speed scale changes by −2.0 ± 0.2 %: clean the hull" in trend
+    )  # yet it is fast
+    (trend,) = map(plain, findings.trends_in_words([replace(found, next_value=-0.05)], simulated=True))
+    assert "with each mission the vehicle goes 2.0 ± 0.2 % slower than it reckons" in trend
     assert not list(findings.trends_in_words([replace(found, trend_sd=0.007)], simulated=True))
 
 
@@ -136,7 +149,8 @@ def test_shares_inside_intervals_are_those_of_the_model_that_is_named(monkeypatc
 @pytest.mark.parametrize(
     ("causes", "others", "pairs", "heading"),
     [
-        ((), (), (), "No cause comes near"),
+        ((), (), (), "What these data could not show"),
+        ((), (ranked("lift-bias", posterior=0.04),), (), "No cause comes near"),
         (("drag-bias",), (), (), "Nothing else comes near"),
         (("drag-bias",), (ranked("lift-bias", posterior=0.04),), (), "Nothing else comes near"),
         (
@@ -158,7 +172,11 @@ def test_what_cannot_be_distinguished_is_likely_and_lacks_a_cause(causes, others
     )  # fmt: skip
     section = evidence.distinction_section(found)
     assert section.heading == heading
-    assert section.blocks[0].endswith(", drag bias and 2 more in diagnosis.json.")
+    held = (
+        "95 % of the probability lies with: drag bias, " if first or others else "No cause was compared with another."
+    )
+    assert section.blocks[0].startswith(held)
+    assert section.blocks[0].endswith(", drag bias and 2 more in diagnosis.json.") == bool(first or others)
     *_, aliases, untestable = section.blocks
     assert [tuple(map(plain, row)) for row in aliases.rows] == [("drag bias", "lift bias", "2.50 km", "a dive")]
     assert [tuple(row) for row in untestable.rows] == [("lift bias", "no wing")]
@@ -207,7 +225,7 @@ def test_probabilities_of_explanations_are_told_beside_what_they_were() -> None:
 
 
 def test_several_data_sets_are_told_with_what_they_share_and_what_stays_in_doubt(monkeypatch) -> None:
-    monkeypatch.setattr(campaign, "finding_in_words", lambda each: each.words)
+    monkeypatch.setattr(findings, "finding_in_words", lambda each: each.words)
     one, two = (
         diagnosed(
             None, words=words, causes=causes, changed=("drag-bias",), borne_out=confirmed, learned_from=new, levels=()
@@ -240,8 +258,16 @@ def test_several_data_sets_are_told_with_what_they_share_and_what_stays_in_doubt
     two.verdict = "unexplained"
     assert campaign.answer(found) == "No cause of the catalogue explains what is left in b."
     two.verdict = "adequate"
-    assert campaign.answer(found).endswith("adequate for all 2 data sets: none asks for a cause.")
-    one.nothing = 0.2
+    assert campaign.answer(found).endswith("adequate for both data sets: none asks for a cause.")
+    one.suspect_labels = "Dives 1 and 2 look exchanged."
+    assert campaign.answer(found).startswith("a: Dives 1 and 2 look exchanged. The mission's model is adequate")
+    one.learned_from = two.learned_from = ()
+    assert campaign.answer(found).endswith(
+        "Nothing new: the mission has learned from all of these data, which count once."
+    )
+    assert [row[2] for row in campaign._rows(found)] == ["nothing new"] * 2
+    one.learned_from, one.nothing, one.verdict = ("1",), 0.2, "adequate"
+    assert [row[2] for row in campaign._rows(found)] == ["open", "nothing new"]
     assert "that one asks for a cause has a probability of 80.0 %, too little to claim a cause" in campaign.answer(
         found
     )
@@ -258,7 +284,11 @@ def test_a_mission_that_is_adequate_is_planned_on_with_what_is_known_of_it(monke
     assert "does not predict: leg 3 (p = 0.001)." in check
     assert keep == page._KEEP
     found.verdict = "unexplained"
-    assert page._next_words(found)[1].startswith("Look for what changed")
+    assert page._next_words(found)[1].startswith("Look for what changed; on this evidence")
+    found.discrepancy = SimpleNamespace(axis="heading")
+    assert page._next_words(found)[1].startswith("Look for what changed along heading; on this evidence")
+    found.suspect_labels = "Dives 1 and 2 look exchanged."
+    assert len(page._next_words(found)) == 1
     found.learned_from = ()
     assert page._next_words(found)[0].startswith("Plan on with the mission as it is")
 
@@ -270,6 +300,31 @@ def test_a_current_s_deviation_is_that_of_its_length() -> None:
     )
     finding = findings.CATALOGUE["mean-current"].finding
     assert "0.300 ± 0.010 m/s toward 90°" in plain(findings.sized_clause(finding, {"east": east, "north": north}))
+
+
+def test_what_is_exact_has_no_deviation_and_little_is_not_said_to_be_nothing() -> None:
+    exact = ParameterEstimate("compass-bias", "angle", 0.05, 0.0, 0.05, 0.05, "rad")
+    assert plain(evidence.sized(exact)) == "2.865°"
+    assert plain(evidence.sized(replace(exact, sd=0.01))) == "2.9° ± 0.6°"
+    assert plain(evidence.sized(replace(exact, unit="m/s"))) == "0.05 m/s"
+    assert [plain(kind_report.part(each)) for each in (0.0, 0.004, 0.006, 1.0)] == [
+        "0 %",
+        "under 1 %",
+        "1 %",
+        "over 99 %",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("skill", "words"),
+    [
+        (0.998, "over 99 % better than the last dive would"),
+        (-0.9, "90 % worse than the last dive would"),
+        (-1.0, "2.0 times the error that the last dive would give"),
+    ],
+)
+def test_a_skill_is_told_as_what_it_is(skill, words) -> None:
+    assert plain(scoring._against(skill, "dive")) == words
 
 
 @pytest.mark.parametrize(

@@ -8,10 +8,11 @@ from matplotlib.axes import Axes
 from missionplan.effects import CATALOGUE
 from missionplan.errors import InputError, Problem, shown
 from missionplan.mission.includes import hash_of
+from missionplan.report.diagnosis import findings
 from missionplan.report.diagnosis.evidence import draw_ranking
-from missionplan.report.diagnosis.findings import LIKELIER, ageing_in_words, finding_in_words, open_in_words
 from missionplan.report.diagnosis.kind_report import names, percent
 from missionplan.report.diagnosis.page import answer as answer_of
+from missionplan.report.diagnosis.page import is_open
 from missionplan.report.diagnosis.page import page as page_of
 from missionplan.report.diagnosis.plan import next_trial_section, next_trial_told
 from missionplan.report.page import Block, Page, PageSection, Table, typed
@@ -70,28 +71,33 @@ def _sections(campaign: Campaign) -> list[PageSection]:
 def answer(campaign: Campaign) -> str:
     """Say what the data sets showed: what was found with its size, as each diagnosis tells it, and what they share."""
     found, last, many = campaign.informed_by, campaign.diagnoses[-1], len(campaign.diagnoses)
-    names_of = {hash_of(each.learned_from): name for each, name in zip(campaign.diagnoses, campaign.names, strict=True)}
+    named = list(zip(campaign.names, campaign.diagnoses, strict=True))
+    names_of = {hash_of(each.learned_from): name for name, each in named}
     simulated = bool(campaign.provenance.options.get("plan") and last.learned_from)
-    aged = ageing_in_words(last.levels, names_of, simulated=simulated)
+    aged = findings.ageing_in_words(last.levels, names_of, simulated=simulated)
+    suspects = [f"{name}: {words}" for name, each in named if (words := findings.suspects_in_words(each))]
     if not found:
-        adequate = f"The mission's model is adequate for all {many} data sets: none asks for a cause."
-        left = [
-            name for each, name in zip(campaign.diagnoses, campaign.names, strict=True) if each.verdict == "unexplained"
-        ]
-        if left:
+        adequate = f"The mission's model is adequate for {'both' if many == 2 else f'all {many}'} data sets: "
+        adequate += "none asks for a cause."
+        left = [name for name, each in named if each.verdict == "unexplained"]
+        if not any(each.learned_from for each in campaign.diagnoses):
+            adequate = "Nothing new: the mission has learned from all of these data, which count once."
+        elif left:
             adequate = f"No cause of the catalogue explains what is left in {listed(left)}."
-        elif (least := min(each.nothing for each in campaign.diagnoses)) < LIKELIER:
-            adequate = open_in_words("these data sets", "that one asks for a cause", least)
-        return " ".join([adequate, *aged])
-    named = ", ".join(effect.replace("-", " ") for effect in found)
+        elif (least := min(each.nothing for each in campaign.diagnoses)) < findings.LIKELIER:
+            adequate = findings.open_in_words("these data sets", "that one asks for a cause", least)
+        return " ".join([*suspects, adequate, *aged])
+    effects = ", ".join(effect.replace("-", " ") for effect in found)
     shared = ", ".join(effect.replace("-", " ") for effect in campaign.shared)
     more = f" More than one of them bore on {shared}." if shared else " No two of them bore on the same effect."
-    told = dict.fromkeys(words for each in campaign.diagnoses if (words := finding_in_words(each)))
+    told = dict.fromkeys(words for each in campaign.diagnoses if (words := findings.finding_in_words(each)))
     learned = mapping(mapping(campaign.extended.get("posterior")).get("summary"))
     gone = tuple(each for each in found if each not in learned and CATALOGUE[each].belongs_to != "vehicle")
     away = f"the extended mission carries all but {names(gone)}, which the mission of its own data set has"
     carries = f"{away}: it was learned elsewhere or at another time" if gone else "one extended mission carries it all"
-    return " ".join([*told, f"Together {many} data sets tell of {named}; {carries}.{more}", *aged, *_doubts(learned)])
+    return " ".join(
+        [*suspects, *told, f"Together {many} data sets tell of {effects}; {carries}.{more}", *aged, *_doubts(learned)]
+    )
 
 
 def _doubts(learned: Mapping[str, object]) -> list[str]:
@@ -106,7 +112,8 @@ def _rows(campaign: Campaign) -> list[list[str]]:
     for each, name in zip(campaign.diagnoses, campaign.names, strict=True):
         causes = [cause.replace("-", " ") + (" (changed)" if cause in each.changed else "") for cause in each.causes]
         confirmed = [effect.replace("-", " ") for effect in each.borne_out]
-        rows.append([name, each.kind, each.verdict, ", ".join(causes) or "–", ", ".join(confirmed) or "–"])
+        verdict = "nothing new" if not each.learned_from else "open" if is_open(each) else each.verdict
+        rows.append([name, each.kind, verdict, ", ".join(causes) or "–", ", ".join(confirmed) or "–"])
     return rows
 
 

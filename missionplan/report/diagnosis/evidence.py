@@ -7,11 +7,12 @@ from collections.abc import Sequence
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure as MatplotlibFigure
 
+from missionplan.errors import counted
 from missionplan.report.diagnosis.kind_report import names, part, percent
 from missionplan.report.diagnosis.kinds import REPORTS
 from missionplan.report.page import BLUE, GREY, ORANGE, Block, Figure, PageSection, Table, to_figure
 from missionplan.report.quantities import Unit, length_in_words, reader_unit
-from missionplan.report.wording import number, parameter_in_words
+from missionplan.report.wording import has_spread, number, parameter_in_words
 from missionplan.results.learned import Diagnosis
 from missionplan.results.learned.evidence import SURE, Discrepancy, DiscrepancyShape, ParameterEstimate, RankedSet
 
@@ -126,6 +127,8 @@ def resemblance(found: Discrepancy) -> str:
 def ranking_section(diagnosis: Diagnosis) -> PageSection:
     """Show the sets of causes, best first, with the parameters of the first."""
     if not diagnosis.ranking:
+        if not diagnosis.learned_from:
+            return PageSection("No cause was looked for", ["Nothing in these data is new to the mission."])
         return PageSection("No cause of the catalogue could be fitted", ["See the failures below."])
     columns, rows = ranking_rows(diagnosis.ranking[:_LISTED])
     best = diagnosis.ranking[0]
@@ -196,17 +199,15 @@ def _with_sd(parameter: ParameterEstimate) -> str:
 
 
 def sized(parameter: ParameterEstimate) -> str:
-    """Write a parameter with its standard deviation and unit, as in ``2.9° ± 0.3°``."""
-    value, sd = _value_and_sd(parameter)
-    if parameter.unit == "rad":
-        return f"{value}° ± {sd}°"
-    return f"{value} ± {sd}{_unit_of(parameter).suffix}"
+    """Write a parameter with its standard deviation, if any, and unit, as in ``2.9° ± 0.3°``."""
+    is_angle, suffix = parameter.unit == "rad", _unit_of(parameter).suffix
+    return "° ± ".join(_value_and_sd(parameter)) + "°" if is_angle else f"{_with_sd(parameter)}{suffix}"
 
 
-def _value_and_sd(parameter: ParameterEstimate) -> tuple[str, str]:
-    """Write both with the digits that the standard deviation supports, angles in degrees."""
+def _value_and_sd(parameter: ParameterEstimate) -> list[str]:
+    """Write both with the digits that the standard deviation supports, angles in degrees; one without spread alone."""
     value, sd = map(_unit_of(parameter), (parameter.value, parameter.sd))
-    return number(value, sd), number(sd, sd)
+    return [number(value, sd), *([number(sd, sd)] if has_spread(value, sd) else [])]
 
 
 def _unit_of(parameter: ParameterEstimate) -> Unit:
@@ -221,7 +222,7 @@ def held_out_section(diagnosis: Diagnosis) -> list[PageSection]:
     if not diagnosis.scores:
         return []
     better = sum(score.log_score_extended > score.log_score_base for score in diagnosis.scores)
-    heading = f"{better} of {len(diagnosis.scores)} parts are predicted better when they are held out"
+    heading = f"Predicted better when held out: {better} of {counted(len(diagnosis.scores), 'part')}"
     unit = reader_unit(REPORTS[diagnosis.kind].unit, max(score.rmse_base for score in diagnosis.scores))
     rows = [
         [
@@ -267,4 +268,6 @@ def distinction_section(diagnosis: Diagnosis) -> PageSection:
     claimed, likely = {*diagnosis.causes}, [e for e in diagnosis.ranking if (e.posterior or 0.0) > 1.0 - SURE]
     if diagnosis.indistinguishable or any(not (claimed and claimed <= {*each.causes}) for each in likely):
         heading = "What these data cannot distinguish, and what would"
+    if not diagnosis.ranking:
+        heading, blocks[0] = "What these data could not show", "No cause was compared with another."
     return PageSection(heading, blocks)

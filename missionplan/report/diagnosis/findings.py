@@ -152,7 +152,7 @@ def sized_clause(finding: Finding, mine: Mapping[str, ParameterEstimate]) -> str
 def _place(parameter: ParameterEstimate) -> str:
     """Write the moment of a change, a period, a threshold, or how often."""
     if not parameter.unit:
-        return f"{parameter.value:.0f} times"
+        return counted(round(parameter.value), "time")
     if parameter.unit != "s":
         return sized(parameter)
     hours = f"{parameter.value / _HOUR:.1f} h"
@@ -186,8 +186,8 @@ def how_sure(diagnosis: Diagnosis) -> list[str]:
     if diagnosis.causes and best is not None and best.held_out is not None:
         gain = best.held_out
         words.append(
-            f"Each part of the data was left out in turn and predicted from the others: {gain.groups_improved} of "
-            f"{gain.groups} parts are predicted better with what was found than without."
+            "Each part of the data was left out in turn and predicted from the others. Predicted better with what was "
+            f"found than without: {gain.groups_improved} of {counted(gain.groups, 'part')}."
         )
     coverage = diagnosis.coverage
     if coverage is not None and coverage.is_off:
@@ -211,12 +211,13 @@ def open_in_words(data: str, lacking: str, nothing: float) -> str:
 def _among_the_tried(diagnosis: Diagnosis) -> str:
     best = diagnosis.best
     if best is None:
-        return "Nothing of the catalogue could be fitted to these data."
+        why = "could be fitted to these data" if diagnosis.learned_from else "was fitted: these data count once"
+        return f"Nothing of the catalogue {why}."
     other = f"that none of these is behind it has a probability of {percent(diagnosis.none_of_these)}"
     if not diagnosis.causes:
         if diagnosis.verdict == "unexplained":
             return f"Of the explanations tried none fits what the data show; {other}."
-        if best.score > WORTH_TELLING and best.posterior is not None:
+        if (best.score > WORTH_TELLING or diagnosis.nothing < LIKELIER) and best.posterior is not None:
             return (
                 f"Of the explanations tried none is claimed: the likeliest, {names(best.causes)}, has a probability of "
                 f"{percent(best.posterior)}, and that there is some cause {percent(1.0 - diagnosis.nothing)}, of the "
@@ -249,8 +250,10 @@ def trends_in_words(levels: Iterable[ParameterLevels], *, simulated: bool) -> It
         if not each.has_trend:
             continue
         info, trend = CATALOGUE[each.effect], _estimate(each, each.trend, each.trend_sd)
-        own = sized_clause(info.finding, {each.name: trend}) if info.finding is not None else ""
-        told = own or f"{parameter_in_words(each.effect, each.name)} changes by {sized(trend)}"
+        is_growing = each.trend * each.next_value > 0.0  # else "reads low" is said of a compass that reads less high
+        own = sized_clause(info.finding, {each.name: trend}) if info.finding is not None and is_growing else ""
+        changes = _sized(each, each.trend, each.trend_sd)
+        told = own or f"{parameter_in_words(each.effect, each.name)} changes by {changes}"
         urgent = f" In {counted(each.matters_in or 0, 'mission')} it costs success."
         if each.matters_in is None:
             urgent = f" Within {AHEAD[-1]} missions it costs no success." if simulated else ""
@@ -288,6 +291,11 @@ def _sized(each: ParameterLevels, value: float, sd: float) -> str:
 
 MOST_TOLD = 4
 """Wrong fixes that are told one by one."""
+
+
+def suspects_in_words(diagnosis: Diagnosis) -> str:
+    """Say which dives look wrongly labelled and which fixes wrong; empty where none does."""
+    return f"{diagnosis.suspect_labels}{wrong_fixes_in_words(diagnosis.readings.wrong_fixes)}"
 
 
 def wrong_fixes_in_words(fixes: Sequence[WrongFix]) -> str:

@@ -127,8 +127,6 @@ class KindReport:
 _DESCRIBED = 5
 MOST_CERTAIN = 0.999
 """Probability beyond which it is not told more exactly: the models are approximate."""
-
-
 ALMOST_ALL = 0.995
 """Part of a whole beyond which it is told no more exactly."""
 
@@ -177,6 +175,8 @@ def percent(probability: float) -> str:
 
 def part(share: float) -> str:
     """Write a part of a whole, which is never said to be all of it: the models are approximate."""
+    if 0.0 < share < 1.0 - ALMOST_ALL:
+        return "under 1 %"
     return "over 99 %" if share > ALMOST_ALL else f"{100.0 * share:.0f} %"
 
 

@@ -39,12 +39,11 @@ def _dive_figure(diagnosis: Diagnosis) -> Figure:
         axes.tick_params(labelbottom=True)
     for axes in panels[::columns]:
         name_axis(axes.yaxis, "Depth", "m", fontsize=9)
-    models = "measured, mission's model and extended model" if diagnosis.causes else "measured and mission's model"
     shown = "measured, as the mission simulates it" + (", and extended" if diagnosis.causes else "")
     return to_figure(
         figure,
         "data",
-        alt=f"Depth against time of {len(runs)} dives: {models}",
+        alt=f"Depth against time of {len(runs)} dives: {shown}",
         caption=f"Depth of the vehicle against time, dive by dive: {shown}.",
     )
 
@@ -103,12 +102,11 @@ def _summary_figure(diagnosis: Diagnosis) -> Figure:
     panels[0].invert_yaxis()
     shown = panels[0].get_legend_handles_labels()
     figure.legend(*shown, loc="outside upper center", ncols=3, fontsize=9, frameon=False)
-    extended = ", extended model" if diagnosis.causes else ""
     against = "the mission's and the extended model" if diagnosis.causes else "the mission's model"
     return to_figure(
         figure,
         "data",
-        alt=f"Numbers of each test: measured, mission's model{extended}",
+        alt=f"Numbers of each test: measured, and {against}",
         caption=f"The numbers of each test with their standard deviations, against {against}.",
     )
 

@@ -25,8 +25,8 @@ from missionplan.report.diagnosis.findings import (
     how_sure,
     intervals_that_miss,
     open_in_words,
+    suspects_in_words,
     trends_in_words,
-    wrong_fixes_in_words,
 )
 from missionplan.report.diagnosis.kind_report import causes_section, explanations_in_words, found_causes, names, percent
 from missionplan.report.diagnosis.kinds import REPORTS
@@ -71,7 +71,7 @@ def page(diagnosis: Diagnosis) -> Page:
         draw=lambda: kind.data_figure(diagnosis),
         numbers=_numbers(diagnosis),
         write=lambda: _sections(diagnosis),
-        verdict="" if _is_open(diagnosis) else _COLOURS.get(diagnosis.verdict, ""),
+        verdict="" if is_open(diagnosis) else _COLOURS.get(diagnosis.verdict, ""),
         rerun=typed("diagnose", made.file, made.options["dataset"], seed=made.seed, **again),
         table=lambda: ranking_rows(diagnosis.ranking[:6]),
         sentence=f"{answer(diagnosis)}{next_trial_told(diagnosis.next_trial)}",
@@ -109,8 +109,7 @@ def _sections(diagnosis: Diagnosis) -> list[PageSection]:
 
 def answer(diagnosis: Diagnosis) -> str:
     """Tell what was found and what to do about it, then the verdict, with the size of the misfit."""
-    suspect = f"{diagnosis.suspect_labels}{wrong_fixes_in_words(diagnosis.readings.wrong_fixes)}"
-    found = f"{suspect} {finding_in_words(diagnosis)}".strip()
+    found = f"{suspects_in_words(diagnosis)} {finding_in_words(diagnosis)}".strip()
     size = in_reader_units(diagnosis.misfit)
     verdict = " ".join(filter(None, (_verdict_words(diagnosis), intervals_that_miss(diagnosis.coverage), size)))
     simulated = bool(diagnosis.provenance.options.get("plan") and diagnosis.learned_from)
@@ -139,7 +138,7 @@ def _verdict_words(diagnosis: Diagnosis) -> str:
     return words.strip()
 
 
-def _is_open(diagnosis: Diagnosis) -> bool:
+def is_open(diagnosis: Diagnosis) -> bool:
     """Whether no cause is claimed, though it is likelier that there is one."""
     return diagnosis.verdict == "adequate" and diagnosis.nothing < LIKELIER
 
@@ -152,7 +151,7 @@ def _without_cause(diagnosis: Diagnosis) -> str:
         left_over = f" As it stands it leaves something in them: that {left}." if is_left else ""
         return f"Nothing new: the mission has learned from all of these data, which count once.{left_over}"
     best = diagnosis.best
-    if _is_open(diagnosis):
+    if is_open(diagnosis):
         likeliest = f" ({names(best.causes)}, it may be)" if best is not None else ""
         return open_in_words("these data", f"that it lacks something{likeliest}", diagnosis.nothing)
     if diagnosis.verdict == "adequate":
@@ -281,8 +280,9 @@ def _next_words(diagnosis: Diagnosis) -> list[str]:
         words.append(f"Check these parts of the record, which the rest does not predict: {listed}. A wrong label?")
     if diagnosis.verdict == "adequate":
         words.append(_KEEP)
-    if diagnosis.verdict == "unexplained":
-        words.append("Look for what changed along that axis; on this evidence no cause of the catalogue can be named.")
+    if diagnosis.verdict == "unexplained" and not diagnosis.suspect_labels:
+        changed = "" if diagnosis.discrepancy.axis is None else f" along {diagnosis.discrepancy.axis}"
+        words.append(f"Look for what changed{changed}; on this evidence no cause of the catalogue can be named.")
     return words
 
 

@@ -103,18 +103,18 @@ def _anchor(before: Plan | None, after: Plan, kept: Plan) -> str:
 
 def _legs(before: Plan | None, after: Plan, kept: Plan) -> str:
     own, other = (_length(_number(plan, "d_max_m")) for plan in (kept, after))
-    found, best = (_delay(_number(plan, "cost")) for plan in (kept, after))
+    found, best = (_number(plan, "cost") for plan in (kept, after))
     expected = "" if before is None else f" (expected: {_delay(_number(before, 'cost'))})"
     former = "the mission's d_max" if before is None else "the d_max of the mission's model"
     arrive, arrives = (_number(plan, "arrived") for plan in (kept, after))
     if arrives < _SERVES:
         fares = f"with {other} {part(arrives)} of the transits arrive, with {former}, {own}, {part(arrive)}"
         return f"no d_max serves: {fares}."
-    if own == other or _number(kept, "cost") < _number(after, "cost") + _SAME_COST:
-        return f"{former}, {own}, still serves: it takes {found} beyond the straight way's time{expected}."
+    if own == other or found < best + _SAME_COST:
+        return f"{former}, {own}, still serves: it takes {_beside_straight(found)}{expected}."
     return (
-        f"plan with a d_max of {other}, for {best} beyond the straight way's time; {former}, {own}, would take "
-        f"{found}{expected}."
+        f"plan with a d_max of {other}, for {_beside_straight(best)}; {former}, {own}, would take "
+        f"{_delay(found)}{expected}."
     )
 
 
@@ -134,6 +134,11 @@ def _delay(cost: float) -> str:
         return "no end"
     share = 100.0 * cost
     return (f"{share:.0f} %" if abs(share) >= 10.0 else f"{share:.2g} %").replace("-", "−")
+
+
+def _beside_straight(cost: float) -> str:
+    """Write it in full: beyond the straight way's time, or less where the current helps."""
+    return f"{_delay(abs(cost))} {'less than' if cost < 0.0 else 'beyond'} the straight way's time"
 
 
 _CHOSEN = {"d_max_m": "d_max", "anchor_wet_weight_n": "the anchor's wet weight"}

@@ -8,6 +8,7 @@ from matplotlib.ticker import MaxNLocator
 from missionplan.errors import InputError, Problem, counted, shown
 from missionplan.montecarlo.statistics import wilson
 from missionplan.report.axes import name_axis
+from missionplan.report.diagnosis.kind_report import ALMOST_ALL, part, percent
 from missionplan.report.page import BLUE, GREY, ORANGE, Figure, Page, PageSection, Table, to_figure, typed
 from missionplan.report.quantities import quantity
 from missionplan.results.score import PIT_BINS, STATED, DatasetScore, Prediction, Score, pit_counts
@@ -21,8 +22,8 @@ def prediction_figure(each: DatasetScore) -> Figure:
     legs = each.kind == "transit"
     figure = MatplotlibFigure(figsize=(6.4, 4.4))
     panels = figure.subplots(2, 1, sharex=True, sharey=not legs)
-    for axes, part in zip(panels, (0, 1), strict=True):
-        _panel(axes, each, part)
+    for component, axes in enumerate(panels):
+        _panel(axes, each, component)
     panels[0].set_xlabel("")
     panels[0].legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), fontsize=9, frameon=False, ncols=3)
     what = "Position errors of the legs" if legs else "Departures of the depths from what was expected"
@@ -162,24 +163,23 @@ def answer(score: Score) -> str:
         words = f"This mission {said[0]}"
     else:
         words = " ".join(f"{each.name}: this mission {how}" for each, how in zip(score.datasets, said, strict=False))
+    if (more := len(score.datasets) - len(said)) > 0:
+        words += f" {counted(more, 'more data set')} below."
     if score.is_within_chance:
         return f"{words} Nothing was fitted; chance allows where in their distributions the values fell."
-    off = [
-        f"{NAMES[name]}" for each in score.datasets for name, p in each.predictions.items() if not p.is_within_chance
-    ]
-    told_off = ", ".join(dict.fromkeys(off))
-    return f"{words} Chance does not allow where in their distributions the values fell ({told_off}): they are wrong."
+    off = [NAMES[name] for each in score.datasets for name, p in each.predictions.items() if not p.is_within_chance]
+    where = f"where in their distributions the values fell ({', '.join(dict.fromkeys(off))})"
+    return f"{words} Chance does not allow {where}: they are wrong."
 
 
 def told(each: DatasetScore) -> str:
     """Say how a data set was predicted, after the words "this mission"."""
-    one, many = GROUPS[each.kind]
-    ahead = each.one_step
-    held = f"its 90 % intervals hold {100.0 * ahead.coverage_90:.0f} % of {many}"
-    if abs(half := ahead.inside_50 / len(ahead.z) - 0.5) > _FAR:
-        held += f", its 50 % intervals {50.0 + 100.0 * half:.0f} %"
+    one, ahead = GROUPS[each.kind][0], each.one_step
+    held = f"its 90 % intervals hold {part(ahead.coverage_90)} of what was measured"
+    if abs((half := ahead.inside_50 / len(ahead.z)) - 0.5) > _FAR:
+        held += f", its 50 % intervals {part(half)}"
     if not each.whole.is_within_chance:
-        held += f", without the past {100.0 * each.whole.coverage_90:.0f} %"
+        held += f", its 90 % intervals without the past {part(each.whole.coverage_90)}"
     return f"predicts the next {one} to {_metres(ahead.rmse)}, {_against(ahead.skill('last_leg'), one)}; {held}."
 
 
@@ -187,9 +187,9 @@ def _against(skill: float, one: str) -> str:
     """Put a skill against the last leg in words."""
     if abs(skill) < SAME:
         return f"as well as the last {one} would"
-    if skill < -1.0:
+    if skill < -ALMOST_ALL:
         return f"{1.0 - skill:.1f} times the error that the last {one} would give"
-    near = next((word for share, word in SHARES if abs(abs(skill) - share) < SAME), f"{100.0 * abs(skill):.0f} %")
+    near = next((word for share, word in SHARES if abs(abs(skill) - share) < SAME), part(abs(skill)))
     return f"{near} {'better' if skill > 0.0 else 'worse'} than the last {one} would"
 
 
@@ -212,9 +212,8 @@ def _overview(score: Score) -> Table:
         for each in score.datasets
         for name, prediction in each.predictions.items()
     ]
-    columns = ["Data set", "Prediction", "Groups", "Error, rms", "Skill against the last", "Log score"]
-    columns += ["In 90 %", "Chance"]
-    return Table(columns, rows, "Groups are legs or dives.", text_columns=2)
+    quality = ("Error, rms", "Skill against the last", "Log score", "In 90 %", "Chance")
+    return Table(("Data set", "Prediction", "Groups", *quality), rows, "Groups are legs or dives.", text_columns=2)
 
 
 def _held(inside: int, count: int) -> str:
@@ -279,7 +278,7 @@ def dataset_sections(each: DatasetScore, name: str = "") -> list[PageSection]:
             f"{EXPLAINED[which].format(group=one)} Its {100.0 * STATED:.0f} % intervals hold "
             f"{100.0 * prediction.coverage_90:.0f} % of the values; were the mission true, chance would leave "
             f"{100.0 * low:.0f} to {100.0 * high:.0f} %. Of the records of a true mission "
-            f"{100.0 * prediction.p_value:.2g} % fall as unevenly into its distributions. Errors over their standard "
+            f"{percent(prediction.p_value)} fall as unevenly into its distributions. Errors over their standard "
             f"deviations have a mean of {prediction.z.mean():.2f} and a standard deviation of {prediction.z.std():.2f}."
         )
     return [

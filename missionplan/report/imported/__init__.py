@@ -230,8 +230,8 @@ def answer(result: ImportedData) -> str:
     doubt = result.figures.made_reckoning_sd
     if doubt is not None and math.isfinite(doubt):
         return (
-            f"The logs hold no dead reckoning: it was {result.reckoning}, and is in doubt by {doubt:.0f} m a leg "
-            f"(median). {counted} as legs."
+            f"The logs hold no dead reckoning: it was {result.reckoning}, and is in doubt by "
+            f"{quantity(doubt, 'm', '.0f')} a leg (median). {counted} as legs."
         )
     return f"{counted} as legs; dead reckoning: {result.reckoning}."
 

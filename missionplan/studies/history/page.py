@@ -9,9 +9,10 @@ from matplotlib.figure import Figure as MatplotlibFigure
 
 from missionplan.errors import InputError, Problem, did_you_mean, shown
 from missionplan.report.diagnosis.findings import ageing_in_words
+from missionplan.report.diagnosis.kind_report import part
 from missionplan.report.page import BLUE, GREY, ORANGE, Cells, Figure, Page, PageSection, Table, to_figure, typed
 from missionplan.report.quantities import Unit, reader_unit
-from missionplan.report.wording import listed, parameter_in_words
+from missionplan.report.wording import has_spread, listed, parameter_in_words
 from missionplan.studies.history.result import History, Learned
 
 MOST_PANELS = 12
@@ -67,9 +68,10 @@ def answer(history: History) -> str:
     """Say how many diagnoses there are, what changed last, and what held still; and what fails how often."""
     told = [*ageing_in_words(history.levels, {})]
     for rate in history.rates:
-        counted = f"{rate.failures:g} failure{'s' * (rate.failures != 1.0)} in {rate.exposure:g} {rate.unit}"
+        leaving = f" that leave it {rate.leaves}" if rate.leaves else ""
+        seen = f"{leaving}: {rate.failures:g} in {rate.exposure:g} {rate.unit}"
         unlike = ", unlike the mission's rate" if rate.surprise < SURPRISING else ""
-        told.append(f"{counted}: {rate.rate:.2g} per {rate.per} ({rate.low:.2g} to {rate.high:.2g}){unlike}.")
+        told.append(f"Failures{seen}, {rate.rate:.2g} per {rate.per} ({rate.low:.2g} to {rate.high:.2g}){unlike}.")
     return " ".join([*([_learned_in_words(history)] if history.reports else []), *told]) or "Nothing new was counted."
 
 
@@ -132,7 +134,8 @@ def _named(entry: Learned) -> str:
 
 def _valued(entry: Learned) -> str:
     unit = _unit(entry)
-    return f"{unit(entry.value):.3g} ± {unit(entry.sd):.2g}{unit.suffix}"
+    sd = f" ± {unit(entry.sd):.2g}" if has_spread(entry.value, entry.sd) else ""
+    return f"{unit(entry.value):.3g}{sd}{unit.suffix}"
 
 
 def _unit(entry: Learned) -> Unit:
@@ -146,7 +149,7 @@ def _rows(history: History) -> list[list[str]]:
         for each in entries:
             unit = _unit(each)
             interval = f"{unit(each.low):.3g} to {unit(each.high):.3g}{unit.suffix}"
-            doubt = f", if it is that ({100.0 * each.probability:.0f} %)" if each.probability < SURE else ""
+            doubt = f", if it is that ({part(each.probability)})" if each.probability < SURE else ""
             state = f"{'changed' if each.is_change else each.state}{doubt}"
             rows.append([_named(each), each.report, _valued(each), interval, state])
     return rows

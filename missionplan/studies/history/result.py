@@ -98,7 +98,7 @@ class FailureRate(Record):
     @property
     def unit(self) -> Annotated[str, Entry()]:
         """Unit of the exposure."""
-        return {"hour": "h", "km": "km"}.get(self.per, f"{self.per}s")
+        return {"hour": "h", "km": "km"}.get(self.per, self.per + "s" * (self.exposure != 1.0))
 
 
 @dataclass(frozen=True)

@@ -78,14 +78,12 @@ def panel_figure(panel: FitPanel) -> Figure:
     """Draw data with their errors, the fitted models over them, and the residuals of the preferred one below."""
     has_residuals = bool(np.any(panel.y != panel.fitted))
     figure = MatplotlibFigure(figsize=(6.0, 4.4 if has_residuals else 2.6))
+    ratios = (3, 1) if has_residuals else (1,)
+    panels = figure.subplots(len(ratios), 1, sharex=True, height_ratios=ratios, squeeze=False)[:, 0]
     if has_residuals:
-        top, bottom = figure.subplots(2, 1, sharex=True, height_ratios=(3, 1))
-        _draw_residuals(bottom, panel)
-        bottom.set_xlabel(panel.x_label)
-    else:
-        top = figure.subplots()
-        top.set_xlabel(panel.x_label)
-    draw_fit(top, panel)
+        _draw_residuals(panels[1], panel)
+    panels[-1].set_xlabel(panel.x_label)
+    draw_fit(panels[0], panel)
     bars = "" if _is_plain(panel) else "Bars: the standard deviation of a reading."
     return to_figure(figure, panel.name, panel.alt, bars)
 
@@ -143,10 +141,9 @@ def parameter_table(result: Identification) -> Table:
 
 def estimate_in_words(estimate: IdentifiedParameter) -> str:
     """Write a parameter with its error and unit, to two figures of the error."""
-    unit = f" {estimate.unit}" if estimate.unit else ""
-    if not estimate.has_interval:
-        return f"{estimate.value:.4g}{unit}"
-    return f"{significant(estimate.value, estimate.sd)} ± {significant(estimate.sd, estimate.sd)}{unit}"
+    sd = f" ± {significant(estimate.sd, estimate.sd)}" if estimate.has_interval and estimate.sd > 0.0 else ""
+    value = significant(estimate.value, estimate.sd) if sd else f"{estimate.value:.4g}"
+    return f"{value}{sd} {estimate.unit}".rstrip()
 
 
 def _numbers_of(estimate: IdentifiedParameter) -> tuple[str, str, str, str]:

@@ -6,7 +6,7 @@ import numpy as np
 
 from missionplan.arrays import Array
 from missionplan.datasets.tank import NoiseLevels, TankData, ThrusterGeometry, ThrusterSettings
-from missionplan.errors import RunError
+from missionplan.errors import RunError, counted
 from missionplan.physics import tunnel_thruster as tt
 from missionplan.physics.tunnel_thruster import bollard_pull
 from missionplan.studies.identification.fits import (
@@ -50,7 +50,7 @@ def identify_tunnel_thruster(
     beyond = int(np.sum(tt.out_of_range(run.load(values).ratio, values[1])))
     remarks = [f"The exponential holds up to u/u_j = {limit:.2f}; beyond, forces may recover as ships' do."]
     if beyond:
-        remarks.append(f"{beyond} of {len(run.speed)} points lie beyond that.")
+        remarks.append(f"Beyond that: {beyond} of {counted(len(run.speed), 'point')}.")
     constant, decay = best["thrust_constant"], best["decay"]
     fragment: dict[str, object] = {
         "name": "tunnel thruster",
@@ -251,7 +251,5 @@ def _asymmetry(best: FittedModel) -> tuple[str, ...]:
         return ()
     ahead, astern = best["ahead"], best["astern"]
     variance = ahead.sd**2 + astern.sd**2
-    apart = abs(ahead.value - astern.value) / np.sqrt(variance) if variance > 0.0 else np.inf
-    return (
-        f"Astern it makes {100 * astern.value / ahead.value:.0f} % of its thrust ahead ({apart:.1f} standard errors).",
-    )
+    apart = f" ({abs(ahead.value - astern.value) / np.sqrt(variance):.1f} standard errors)" if variance > 0.0 else ""
+    return (f"Astern it makes {100 * astern.value / ahead.value:.0f} % of its thrust ahead{apart}.",)

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure as MatplotlibFigure
 from missionplan.arrays import Array
 from missionplan.phases.recorded_currents import DEPTH_MARGIN
 from missionplan.report.axes import mark_times, name_axis
+from missionplan.report.diagnosis.kind_report import part
 from missionplan.report.page import (
     BLUE,
     GREEN,
@@ -91,14 +92,9 @@ def record_figure(result: TideResult) -> Figure:
     lower.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2)
     lower.set(xlabel="UTC")
     upper.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2)
-    return to_figure(
-        figure,
-        "record",
-        f"The current at {quantity(result.shown_depth, 'm', 'g')} as measured, and the tide with the mean, "
-        "against time.",
-        f"The current at {quantity(result.shown_depth, 'm', 'g')}; at the bottom what is left when tide and "
-        "mean are taken out.",
-    )
+    at = f"The current at {quantity(result.shown_depth, 'm', 'g')}"
+    alt = f"{at} as measured, and the tide with the mean, against time."
+    return to_figure(figure, "record", alt, f"{at}; at the bottom what is left when tide and mean are taken out.")
 
 
 def _moments(result: TideResult) -> Array:
@@ -143,16 +139,15 @@ def answer(result: TideResult) -> str:
     shown = result.shown
     where = f"at {quantity(shown.depth, 'm', 'g')}"
     if not shown.constituents:
-        scatter = f"the current scatters by {quantity(shown.residual, 'm/s', '.2f')} about its mean"
+        scatter = f"the current scatters by {quantity(shown.residual, 'm/s', '.2g')} about its mean"
         return f"No tide stands out of this record {where}: {scatter}."
     largest, speed = shown.constituents[0], reader_unit("m/s", 0.0)
     first = (
-        f"The tide is {100.0 * shown.tidal_share:.0f} % of the current's variance {where}, {largest.name} the largest "
+        f"The tide is {part(shown.tidal_share)} of the current's variance {where}, {largest.name} the largest "
         f"with {number(speed(largest.major), speed(largest.major_error))}{speed.suffix}."
     )
-    told = (
-        f"A forecast should be within {quantity(_NINETY * shown.residual, 'm/s', '.2f')} of a component 9 times in 10"
-    )
+    within = quantity(_NINETY * shown.residual, "m/s", ".2g")
+    told = f"A forecast should be within {within} of a component 9 times in 10"
     if shown.held_out is None:
         return f"{first} {told}, if what is left stays as it was; {result.days:.1f} days are too few to test it."
     times = f"{100.0 * shown.held_out.coverage:.0f} times in 100"

@@ -71,6 +71,11 @@ def test_words_and_tables(result):
     assert words.endswith(f"by up to {best['depth_excursion_m']:.2f} m.")
     never = TransitionSweep(**{**vars(result), "saturation_speed": math.nan})
     assert "holds depth at all speeds tried" in pages.answer(never)
+    late = result.cells.assign(hover_time_s=result.cells["hover_time_s"].where(result.cells["mid_speed_m_s"] > 0.5))
+    sinks = TransitionSweep(**{**vars(result), "cells": late})
+    assert pages.answer(sinks).endswith("With one tunnel thruster it hovers in 6 of 9 runs.")
+    even = TransitionSweep(**{**vars(result), "cells": result.cells[result.cells["steepness_m_s"] < 0.15]})
+    assert len(pages._cells(even)[1]) == len(SPEEDS)
     told = {name: plain(value) for name, value in pages._numbers(result)}
     depths = [each["depth_excursion_m"] for each in OWN]
     assert told == {
