@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import missionplan
-from missionplan.errors import InputError, Problem
+from missionplan.errors import InputError, Problem, counted
 from missionplan.identity import differences, digest_of, leaves, program_part, running_program
 from missionplan.mission import Mission, load
 from missionplan.montecarlo.blocks import Progress, Workers
@@ -58,9 +58,9 @@ class Verification:
 
     def __str__(self) -> str:
         if self.same:
-            lines = [f"The same bits come out here: {self.computed}, {self.values} values."]
+            lines = [f"The same bits come out here: {self.computed}, {counted(self.values, 'value')}."]
         else:
-            count = f"{len(self.different)} of {self.values} values differ"
+            count = f"{len(self.different)} of {counted(self.values, 'value')} differ"
             lines = [f"Other bits come out here: {self.computed}; {count}.", *self.different[:_SHOWN]]
         if self.unlike:
             lines += ["It was made with other code or inputs:", *self.unlike]

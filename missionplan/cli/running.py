@@ -114,10 +114,10 @@ def deliver(result: "Result", folder: Path, output: OutputOptions) -> None:
     if output.as_json:
         return
     if not output.quiet:
-        from missionplan.report.wording import typeset
+        from missionplan.report.render import notices_of
 
-        for notice in result.provenance.notices:
-            remark(f"Note: {typeset(notice)}")
+        for notice in notices_of(result):
+            remark(f"Note: {notice}")
     note(f"Report: {folder / 'report.html'}")
 
 

@@ -18,7 +18,7 @@ import numpy as np
 import pandas as pd
 
 from missionplan.arrays import Array
-from missionplan.errors import InputError, Problem, did_you_mean, shown
+from missionplan.errors import InputError, Problem, counted, did_you_mean, shown
 from missionplan.importers.cutting import LEG_COLUMNS, CutTrack, cut, leg_picture, of_the_clock
 from missionplan.importers.descents import descent_data, read_marks
 from missionplan.importers.dives import LegRules
@@ -225,12 +225,12 @@ def _check_found(track: Track, parts: CutTrack) -> None:
         hint = parts.fixes.reasons[0] if parts.fixes.reasons else "are there fixes in these files?"
         raise InputError([Problem(message, hint=hint)])
     if not len(parts.dives):
-        deepest = float(track.depth.values.max()) if len(track.depth) else float("nan")
-        message = f"no dive between {good} fixes; the greatest depth is {deepest:.1f} m"
+        depth = f"greatest depth is {track.depth.values.max():.1f} m" if len(track.depth) else "logs hold no depth"
+        message = f"no dive between {good} fixes; the {depth}"
         raise InputError([Problem(message, hint="--dive-depth says how deep a dive goes")])
     if not len(parts.legs):
         reason = str(parts.dives["reason"].iloc[0])
-        message = f"{len(parts.dives)} dives, but none has a dead-reckoned end: {track.reckoning} ({reason})"
+        message = f"{counted(len(parts.dives), 'dive')}, but none has a dead-reckoned end: {track.reckoning} ({reason})"
         hint = "dead reckoning can be made from heading with speed, or with pitch and depth"
         raise InputError([Problem(message, hint=hint)])
 

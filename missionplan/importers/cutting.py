@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from scipy.integrate import trapezoid
 
 from missionplan.arrays import Array
+from missionplan.errors import counted
 from missionplan.importers.dives import (
     Candidate,
     LegRules,
@@ -202,7 +203,7 @@ def of_the_clock(track: Track) -> Iterator[str]:
     """Say where the clock jumps: no leg across shows it."""
     jumps = [each for each in track.breaks if each.at_surface_too]
     if jumps:
-        more = f", and {len(jumps) - 1} times more" if len(jumps) > 1 else ""
+        more = f", and {counted(len(jumps) - 1, 'time')} more" if len(jumps) > 1 else ""
         yield f"{jumps[0].reason} to {_iso(jumps[0].t)}{more}: times before or after are wrong by as much"
 
 
@@ -245,8 +246,8 @@ def _of_late_fixes(dives: pd.DataFrame, surface: float) -> Iterator[str]:
     if late.any():
         deepest = float(dives.loc[late, "depth_at_fix_m"].max())
         yield (
-            f"the fix before the dive is logged late on {int(late.sum())} of {len(dives)} dives, when the vehicle is "
-            f"already as deep as {deepest:.0f} m: these legs began up to some minutes before their start"
+            f"the fix before the dive is logged late on {int(late.sum())} of {counted(len(dives), 'dive')}, when the "
+            f"vehicle is already as deep as {deepest:.0f} m: these legs began up to some minutes before their start"
         )
 
 

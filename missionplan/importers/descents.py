@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 
 from missionplan.arrays import Array
-from missionplan.errors import InputError, Problem, shown
+from missionplan.errors import InputError, Problem, counted, shown
 from missionplan.importers.dives import from_surface, shallowest
 from missionplan.importers.judging import judge_fixes
 from missionplan.importers.sources import Reading
@@ -192,11 +192,11 @@ def _dataset(reading: Reading, table: pd.DataFrame) -> dict[str, object]:
 
 
 def _prospects(how: str, dives: pd.DataFrame, parts: Sequence[Series]) -> tuple[tuple[str, str], ...]:
-    counted = int(dives["ok"].sum())
+    count = int(dives["ok"].sum())
     intervals = [float(np.median(np.diff(part.t))) for part in parts if len(part) > 1]
     by_sinking = how == _BY_SINKING
     return (
-        ("drag, mass and flooding of the descent", f"yes: {counted} dives" if counted else "no: no dive counts"),
+        ("drag, mass and flooding of the descent", f"yes: {counted(count, 'dive')}" if count else "no: no dive counts"),
         (
             "late payout of the line, a clock's offset",
             "no: the separation is known by the sinking alone; marks of it would show both" if by_sinking else "yes",

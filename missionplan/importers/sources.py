@@ -11,7 +11,7 @@ from pathlib import Path
 
 import yaml
 
-from missionplan.errors import InputError, Problem, did_you_mean, shown
+from missionplan.errors import InputError, Problem, counted, did_you_mean, shown
 from missionplan.importers.importer import DAMAGED, Identity, Importer, head_of
 from missionplan.importers.track import Track
 from missionplan.results import Provenance
@@ -109,7 +109,7 @@ def find_sources(
         chosen, passed_over = _recognised(paths, given, importers, otherwise, is_mapped=True)
     if not chosen:
         known = ", ".join(importers)
-        message = f"no log of a known format ({known}) among {len(paths)} files"
+        message = f"no log of a known format ({known}) among {counted(len(paths), 'file')}"
         raise InputError(
             [Problem(message, str(given[0]), hint="name one with --format; track reads tables with --map")]
         )

@@ -8,6 +8,7 @@ import pandas as pd
 
 from missionplan.arrays import Array
 from missionplan.datasets.legs import MIN_LEGS
+from missionplan.errors import counted
 from missionplan.importers.geodesy import displacement
 from missionplan.importers.reckoning import HEADING_ERROR
 
@@ -148,7 +149,7 @@ _SURFACE_SHARE = 0.02
 def prospects(legs: pd.DataFrame, found: LegNumbers) -> tuple[tuple[str, str], ...]:
     """Return what may be found, and whether the legs suffice or what is lacking."""
     kept = legs[legs["ok"] == 1]
-    some, too_few = f"{len(kept)} legs", f"and {MIN_LEGS} are needed to diagnose anything"
+    some, too_few = counted(len(kept), "leg"), f"and {MIN_LEGS} are needed to diagnose anything"
     usual, way = f"where some {_PERSISTENCE} usually show it", f"nearly all legs go {found.course:.0f} deg"
     is_one_way = found.spread > _ONE_COURSE
     return (

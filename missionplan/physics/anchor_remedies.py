@@ -28,8 +28,10 @@ class Remedy:
 
     @property
     def words(self) -> str:
-        """The change as an instruction."""
-        return f"{self.part} with {self.quantity} {self.needed:.4g} {self.unit} instead of {self.given:.4g} {self.unit}"
+        """The change as an instruction; rounded to the side that does."""
+        scale = 10.0 ** (3 - math.floor(math.log10(abs(self.needed))))
+        needed = (math.ceil if self.needed > self.given else math.floor)(self.needed * scale) / scale
+        return f"{self.part} with {self.quantity} {needed:.4g} {self.unit} instead of {self.given:.4g} {self.unit}"
 
 
 _NUMBERS = (

@@ -11,7 +11,7 @@ from missionplan.montecarlo.statistics import Probability
 from missionplan.report.page import Page, PageSection, Table
 from missionplan.report.quantities import in_reader_units, span, unit_for
 from missionplan.report.simulation.quantities import requirement_in_words
-from missionplan.report.wording import in_words, listed, percent, share
+from missionplan.report.wording import in_words, listed, percent, portion_in_words, share
 from missionplan.results.decision import Assumption, ExplainedOutcome, MemberOutcome, differ, label
 from missionplan.results.simulation import Outcome, Sensitivity
 
@@ -20,7 +20,7 @@ DIFFER = "Which member of the current's ensemble spoils the {}"
 
 def members_in_words(members: Sequence[MemberOutcome], does: str) -> str:
     """Write in a sentence which member spoils what a plan `does`; empty without an ensemble."""
-    if not members:
+    if len(members) < 2:
         return ""
     worst, best = (pick(members, key=lambda each: each.good.value) for pick in (min, max))
     low, high = share(worst.good), share(best.good)
@@ -35,7 +35,7 @@ def members_section(members: Sequence[MemberOutcome], plan: str, good: str, note
     if not members:
         return
     rows = [
-        [each.name, f"{100.0 * each.probability:.1f}\u00a0%", percent(each.good)]
+        [each.name, portion_in_words(each.probability, 1), percent(each.good)]
         for each in sorted(members, key=lambda each: each.good.value)
     ]
     heading = DIFFER.format(plan) if differ([each.good for each in members]) else "Members of the current's ensemble"
@@ -91,7 +91,7 @@ def doubt_sections(outcome: Outcome) -> Iterator[PageSection]:
                 low, _, high = span(statistic, unit)
                 ranges.append("–" if not statistic.count else f"{low} to {high}{unit.suffix}")
             name = each.causes[0] if column == "member" else label(each.causes)
-            rows.append((name, f"{100.0 * each.probability:.1f} %", percent(each.success), *ranges))
+            rows.append((name, portion_in_words(each.probability, 1), percent(each.success), *ranges))
         if rows:
             yield PageSection(title, [*words, Table((column, *_COLUMNS), rows, note)])
 
@@ -100,8 +100,7 @@ def _worth(outcome: Outcome, found: list[Sensitivity], what: str) -> str:
     """Say for which share of the variance it matters which explanation holds, and whether to find out."""
     shares = []
     for each in found:
-        portion = "less than 1 %" if each.first_order < 0.01 else f"{100.0 * each.first_order:.0f} %"
-        shares.append(f"{portion} of the variance of the {in_words(each.output)}")
+        shares.append(f"{portion_in_words(each.first_order)} of the variance of the {in_words(each.output)}")
     words = f"Which {what} it is accounts for {listed(shares)}"
     if all(each.first_order < SMALL for each in found) and not outcome_hangs_on_doubt(outcome):
         return f"{words}: no need to find out."
@@ -151,13 +150,22 @@ def first_do(judged: Outcome | None, phase: str) -> str | None:
     return next((first for phases, first in groups if phase in phases or phases == {"total"}), None)
 
 
+def works(judged: Outcome | None) -> bool:
+    """Whether a mission meets what it requires and succeeds as often as not; so too where nothing was judged."""
+    return judged is None or (judged.requirements_met and judged.total.events["success"].value >= 0.5)
+
+
 def judged_in_words(judged: Outcome | None) -> str:
     """Write which of the mission's requirements are met on fresh draws; nothing for a mission that requires nothing."""
-    if judged is None or not judged.requirements:
+    if judged is None:
         return ""
+    if judged.requirements_met and not works(judged):
+        success = percent(judged.total.events["success"])
+        return f" But the mission with it fails more often than not: on fresh draws it succeeds in {success}."
     missed = [item for item in judged.requirements if not item.met]
     if not missed:
-        count = len(judged.requirements)
+        if not (count := len(judged.requirements)):
+            return ""
         met = {1: "its requirement", 2: "both requirements"}.get(count, f"all {count} requirements")
         return f" The mission with it meets {met} on fresh draws."
     words = "; ".join(

@@ -5,6 +5,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from itertools import chain
 from pathlib import Path
 
+from missionplan.errors import counted
 from missionplan.mission.quantity_paths import values_in_force
 from missionplan.mission.units import number_and_unit
 from missionplan.report.page import Block, PageSection, Table
@@ -175,7 +176,7 @@ def _table_or_value(value: object) -> str:
     if value is None:
         return "not given"
     table = mapping(value).get("table")
-    return f"a table of {len(table)} rows" if isinstance(table, list | tuple) else value_in_words(value)
+    return f"a table of {counted(len(table), 'row')}" if isinstance(table, list | tuple) else value_in_words(value)
 
 
 def where_checked(provenance: Provenance) -> list[PageSection]:

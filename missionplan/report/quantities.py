@@ -186,7 +186,7 @@ def as_written(number: str, unit: str, *, largest: float | None = None) -> str:
     return f"{set_number(_as_fine(number, float(number), shown.size))}{shown.suffix}"
 
 
-_IN_WORDS = re.compile(r"(?:([\d.]+) to )?([\d.]+) (c?m/s|k?m)\b")
+_IN_WORDS = re.compile(r"(?<![\w.])(?<!e[-+])(?:([\d.]+) to )?([\d.]+) (c?m/s|k?m)\b")
 
 
 def in_reader_units(words: str) -> str:

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Protocol, cast
 from markupsafe import Markup
 from matplotlib.figure import Figure as MatplotlibFigure
 
+from missionplan.errors import counted
 from missionplan.mission.quantity_paths import written_phases
 from missionplan.rendering import Plot, Rendered
 from missionplan.report.axes import draw_in_units
@@ -23,7 +24,7 @@ from missionplan.report.explained import with_assumptions
 from missionplan.report.html import render_page
 from missionplan.report.page import Block, Drawing, Figure, Listing, Page, PageSection, Table, Terminal, style
 from missionplan.report.planned import changed, planned_sections
-from missionplan.report.quantities import reading_in, units_of
+from missionplan.report.quantities import in_reader_units, reading_in, units_of
 from missionplan.report.wording import phases_named, typeset, wrapped
 from missionplan.results import Result
 
@@ -61,7 +62,13 @@ def render_report(result: Result, /) -> Rendered:
             *changed(made.data, result.recommended_values),
             *planned_sections(made, mapped="tracks" in page.plots),
         ]
-        return render_page(page, _sections(planned), made, [typeset(notice) for notice in made.notices])
+        return render_page(page, _sections(planned), made, notices_of(result))
+
+
+def notices_of(result: Result) -> list[str]:
+    """Write a result's notices in the reader's units."""
+    with read_as(result, units_of(result.provenance.data)):
+        return [typeset(in_reader_units(notice)) for notice in result.provenance.notices]
 
 
 def terminal_view(result: Result, *, system: str | None = None) -> Terminal:
@@ -256,7 +263,7 @@ def text(result: Result, /) -> str:
 def heading(result: Result) -> str:
     """Name the kind of result, the study, the mission and its trials."""
     provenance = result.provenance
-    trials = f", {provenance.trials} trials, seed {provenance.seed}" if provenance.trials else ""
+    trials = f", {counted(provenance.trials, 'trial')}, seed {provenance.seed}" if provenance.trials else ""
     start, mission = f"<{type(result).__name__}: {provenance.command}", provenance.mission or provenance.file
     room = WIDTH - len(f"{start} of {trials}>")
     name = mission if len(mission) <= room else f"{mission[: room - 3].rstrip()}..."

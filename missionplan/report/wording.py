@@ -90,6 +90,14 @@ def share(probability: Probability) -> str:
     return f"{value:.{decimals}f}\u00a0%"
 
 
+def portion_in_words(portion: float, decimals: int = 0) -> str:
+    """Write a part of a whole, rounded neither to nothing nor to all of it: ``76 %``, ``< 1 %``."""
+    least = 10.0**-decimals
+    if 0.0 < portion < 1.0 and not 0.005 * least < portion < 1.0 - 0.005 * least:
+        return f"< {least:g}\u00a0%" if portion < 0.5 else f"> {100.0 - least:g}\u00a0%"
+    return f"{100.0 * portion:.{decimals}f}\u00a0%"
+
+
 def _towards(value: float, direction: int) -> str:
     """Round a bound outwards at the first digit of its distance from 0 or 100."""
     decimals = max(0, _decimals(min(value, 100.0 - value)))

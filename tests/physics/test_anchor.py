@@ -112,6 +112,8 @@ def test_a_ring_outside_the_tube_is_remedied_by_a_change_of_the_front():
     assert remedies[0].part == "front"
     mended = replace(MADE, front=replace(nose_heavy.construction.front, mass=remedies[0].needed))
     assert solve_anchor(replace(nose_heavy, construction=mended), 11.6974).feasible
+    told = float(remedies[0].words.split(" instead of ")[0].split()[-2])  # rounded to the side that does
+    assert told <= remedies[0].needed < remedies[0].given
     least = replace(mended, front=replace(mended.front, mass=remedies[0].needed * 1.01))
     assert not solve_anchor(replace(nose_heavy, construction=least), 11.6974).feasible
 

@@ -21,6 +21,7 @@ from missionplan.report.wording import (
     percent,
     phase_in_words,
     phases_named,
+    portion_in_words,
     rounded_down,
     rounded_up,
     split_key,
@@ -209,3 +210,18 @@ def test_a_phase_is_called_what_the_mission_calls_it_where_that_reads_well():
 )
 def test_a_length_is_in_kilometres_from_one_on(metres, words):
     assert length_in_words(metres).replace("\u00a0", " ") == words
+
+
+@pytest.mark.parametrize(
+    ("portion", "decimals", "words"),
+    [
+        (0.0, 0, "0 %"),
+        (0.004, 0, "< 1 %"),
+        (0.76, 0, "76 %"),
+        (0.9962, 0, "> 99 %"),
+        (0.9999, 1, "> 99.9 %"),
+        (1, 1, "100.0 %"),
+    ],
+)
+def test_a_portion_is_rounded_neither_to_nothing_nor_to_all(portion: float, decimals: int, words: str) -> None:
+    assert portion_in_words(portion, decimals).replace("\u00a0", " ") == words

@@ -1,5 +1,6 @@
 """What a result tells the crew to do: was and now by the mission's own keys, in every summary."""
 
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -56,7 +57,8 @@ def test_members_and_assumptions_are_told_by_the_worst_and_the_one_that_turns_th
     assert plain(explained.members_in_words(members, "arrives")) == (
         "It depends on the forecast: it arrives 30 % of the time in storm and 97.0 % in calm."
     )
-    assert "as often" in explained.members_in_words(members[:1], "arrives")
+    assert "as often" in explained.members_in_words([members[0], replace(members[0], name="like it")], "arrives")
+    assert explained.members_in_words(members[:1], "arrives") == ""
     (section,) = explained.members_section(members, "plan", "arrives", "")
     assert [[plain(cell) for cell in row] for row in section.blocks[0].rows] == [
         ["storm", "25.0 %", "30 ± 3 %"], ["tide", "25.0 %", "90.0 ± 1.9 %"], ["calm", "25.0 %", "97.0 % (95.7 to 97.9 %)"],

@@ -16,7 +16,7 @@ from typing import Any, BinaryIO
 import numpy as np
 
 from missionplan.arrays import Array
-from missionplan.errors import InputError, Problem, did_you_mean, shown
+from missionplan.errors import InputError, Problem, counted, did_you_mean, shown
 from missionplan.importers.geodesy import moved
 from missionplan.importers.importer import (
     DAMAGED,
@@ -109,7 +109,7 @@ def _chosen(systems: Mapping[int, _System], wanted: str | None) -> _System:
     own = [source for source, (states, fixed) in counts.items() if fixed and states >= _LEAST * most]
     names = {source: systems[source].name or str(source) for source in counts}
     listed = ", ".join(
-        f"{names[source]} ({counts[source][0]} states, {counts[source][1]} fixes)" for source in sorted(own)
+        f"{names[source]} ({counted(counts[source][0], 'state')}, {counts[source][1]} fixes)" for source in sorted(own)
     )
     if wanted is not None:
         match = [source for source in counts if wanted.lower() in (names[source].lower(), str(source))]

@@ -119,19 +119,6 @@ def expected_transit(
     return TransitExpectation(distance, speed, surfacing_time, run, surfacings)
 
 
-def expected_cost(
-    distance: float,
-    d_max: float | LegTable,
-    speed: float,
-    arrival_radius: float,
-    sigma: float,
-    surfacing_time: float,
-    base_spread: float = 0.0,
-) -> float:
-    """Expected cost c (Briggs et al., Eq. 25) of legs of at most `d_max`; arguments as of `expected_transit`."""
-    return expected_transit(distance, d_max, speed, arrival_radius, sigma, surfacing_time, base_spread).cost
-
-
 def _positive(name: str, value: float) -> float:
     if not value > 0 or not np.isfinite(value):
         raise ValueError(f"{name} must be positive and finite, not {value:g}")

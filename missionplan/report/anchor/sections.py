@@ -74,7 +74,7 @@ def weight_in_words(anchor: SizedAnchor) -> str:
 def dive_in_words(anchor: SizedAnchor) -> str:
     """Write where and when the nominal dive ends."""
     if not anchor.touched_down:
-        return "it does not take the vehicle to the seafloor"
+        return "not able to take the vehicle to the seafloor"
     down = (
         f"at the seafloor {anchor.nominal.time:.0f}\u00a0s after separation, "
         f"{quantity(anchor.nominal.offset, 'm', '.0f')} from the last fix"
@@ -91,7 +91,7 @@ def probabilities(sizing: AnchorSizing) -> PageSection:
     holding, radius = holding_in_words(sizing.to_build), quantity(sizing.radius, "m", ".1f")
     heading = f"{percent(dives.good)} of dives stay within {radius} and clear of the bottom{holding}"
     offset, lowest = dives.offset, dives.lowest_altitude.p05
-    drawn = f"{number(trials)} dives drawn from the mission's distributions"
+    drawn = f"{number(trials)} dive{'' if trials == 1 else 's'} drawn from the mission's distributions"
     if offset.count == 0:
         return PageSection(heading, [f"In none of {drawn} does the anchor reach the seafloor."])
     of_which = f"Over {drawn}"

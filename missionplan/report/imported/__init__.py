@@ -11,6 +11,7 @@ from matplotlib.figure import Figure as MatplotlibFigure
 from matplotlib.ticker import MaxNLocator
 
 from missionplan.arrays import Array
+from missionplan.errors import counted
 from missionplan.report.axes import name_axis
 from missionplan.report.imported.leg_basis import (
     COLUMNS,
@@ -47,7 +48,7 @@ _KM = 5000.0
 
 def track_figure(result: ImportedData) -> Figure:
     """Draw fixes, the dead-reckoned way of each dive, and an arrow from its end to the fix that shows its error."""
-    counted, word = result.dives["ok"].to_numpy() == 1, _map_unit(result)[1]
+    counts, word = result.dives["ok"].to_numpy() == 1, _map_unit(result)[1]
     points = _drawn(result)
     size = np.maximum(np.ptp(points, axis=1), 1.0) if points.size else np.ones(2)
     figure = MatplotlibFigure(figsize=(_WIDTH, float(np.clip(0.9 + (_WIDTH - 0.9) * size[1] / size[0], 3.0, 8.0))))
@@ -55,8 +56,8 @@ def track_figure(result: ImportedData) -> Figure:
     return to_figure(
         figure,
         "track",
-        f"Map of the track: {int(counted.sum())} legs that count, {int((~counted).sum())} dives left out, and fixes; "
-        f"axes in {word}, north is up.",
+        f"Map of the track: {counted(int(counts.sum()), 'leg')} that count, "
+        f"{counted(int((~counts).sum()), 'dive')} left out, and fixes; axes in {word}, north is up.",
         "Dead-reckoned way of each dive; the arrow goes from where it ends to the fix, the leg's error. Both axes have "
         "the same scale.",
     )
@@ -76,9 +77,9 @@ def _map_unit(result: ImportedData) -> tuple[float, str]:
 
 def draw_track(axes: Axes, result: ImportedData) -> None:
     """Draw fixes, dead-reckoned ways, and the errors as arrows."""
-    lines, counted = result.lines, result.dives["ok"].to_numpy() == 1
+    lines, counts = result.lines, result.dives["ok"].to_numpy() == 1
     unit, word = _map_unit(result)
-    for keep, colour, label in ((counted, BLUE, "legs that count"), (~counted, GREY, "dives left out")):
+    for keep, colour, label in ((counts, BLUE, "legs that count"), (~counts, GREY, "dives left out")):
         chosen = [line.T / unit for line, kept in zip(lines.reckoned, keep, strict=True) if kept and line.shape[1] > 1]
         if chosen:
             axes.add_collection(LineCollection(chosen, colors=colour, linewidths=1.2, label=label))
@@ -86,7 +87,7 @@ def draw_track(axes: Axes, result: ImportedData) -> None:
     near = inside(lines.rejected, lines.fixes, margin=0.5)
     if near.size:
         axes.plot(*(near / unit), "x", color=PINK, markersize=6, label="fixes rejected", zorder=4)
-    ends = lines.leg_ends[:, :, counted] / unit  # by dead reckoning, and by the fixes after them
+    ends = lines.leg_ends[:, :, counts] / unit  # by dead reckoning, and by the fixes after them
     if ends.size:
         arrows: dict[str, Any] = {"angles": "xy", "scale_units": "xy", "scale": 1.0, "width": 0.004, "zorder": 3}
         axes.quiver(*ends[0], *(ends[1] - ends[0]), color=ORANGE, label="errors", **arrows)
@@ -116,8 +117,8 @@ def _span(values: Array) -> tuple[float, float] | None:
 
 def histograms(result: ImportedData) -> Figure:
     """Draw how long the legs are that count, and where they go."""
-    counted = result.dives["ok"].to_numpy() == 1
-    start, end = result.lines.leg_starts[:, counted], result.lines.leg_ends[0][:, counted]
+    kept = result.dives["ok"].to_numpy() == 1
+    start, end = result.lines.leg_starts[:, kept], result.lines.leg_ends[0][:, kept]
     way = end - start
     length, course = np.hypot(*way), np.arctan2(*way)
     unit, word = (1000.0, "km") if len(length) and length.max() > 2000.0 else (1.0, "m")
@@ -136,7 +137,7 @@ def histograms(result: ImportedData) -> Figure:
     return to_figure(
         figure,
         "legs",
-        f"Two histograms of {len(length)} legs: their lengths, and the courses they go, as a rose.",
+        f"Two histograms of {counted(len(length), 'leg')}: their lengths, and the courses they go, as a rose.",
         "Lengths of the legs that count, by dead reckoning, and their courses (legs a sector of 15 deg).",
     )
 
@@ -186,14 +187,15 @@ def _sections(result: ImportedData) -> list[PageSection]:
     lacking = any(verdict.startswith("no") for _, verdict in result.can_show)
     shows = "What these data can show, and what they cannot" if lacking else "What these data can show"
     blocks: list[Block] = [
-        f"{len(result.sources)} files of the format {result.format}; their checksums are in import.json."
+        f"{counted(len(result.sources), 'file')} of the format {result.format}; checksums are in import.json."
     ]
     if len(result.rejected_fixes):
         counts = "; ".join(f"{count}: {reason}" for reason, count in result.rejected_reasons.items())
-        blocks.append(f"{len(result.rejected_fixes)} fixes do not count. {counts}. They are in rejected-fixes.csv.")
+        blocks.append(
+            f"Fixes that do not count: {len(result.rejected_fixes)} ({counts}). They are in rejected-fixes.csv."
+        )
     if result.passed_over:
-        passed = len(result.passed_over)
-        blocks.append("1 file was passed over:" if passed == 1 else f"{passed} files were passed over:")
+        blocks.append(f"Passed over: {counted(len(result.passed_over), 'file')}.")
         blocks.append(Listing("\n".join(result.passed_over[:_LISTED])))
     sections = [
         PageSection(shows, [Table(("what", "can it be seen?"), result.can_show, text_columns=2)]),

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure as MatplotlibFigure
 from matplotlib.ticker import MaxNLocator
 
 from missionplan.arrays import Array
+from missionplan.errors import counted
 from missionplan.exporters.geojson import COLOURS
 from missionplan.montecarlo.statistics import Probability
 from missionplan.report.axes import column_of_panels, name_axis
@@ -30,7 +31,7 @@ from missionplan.report.plan_view import (
 from missionplan.report.quantities import quantity, si_per_unit, span, unit_for
 from missionplan.report.simulation.quantities import failure_in_words, requirement_on, unit_of
 from missionplan.report.site_map import name_goals, room_for_names
-from missionplan.report.wording import in_words, number, percent
+from missionplan.report.wording import in_words, number, percent, share
 from missionplan.results.decision import SeaChart
 from missionplan.results.simulation import Attrition, Outcome, PhaseOutcome
 
@@ -40,10 +41,7 @@ def waterfall(outcome: Outcome) -> Figure:
     steps = _losing(outcome)
     figure = MatplotlibFigure(figsize=(WIDTH, 0.55 + 0.42 * (len(steps) + 1)))
     draw_waterfall(figure.add_subplot(), outcome)
-    losses = (
-        "; ".join(f"{failure_in_words(step.step)}, {100.0 * step.lost.value:.1f} %" for step in steps)
-        or "nothing is lost"
-    )
+    losses = "; ".join(f"{failure_in_words(step.step)}, {share(step.lost)}" for step in steps) or "nothing is lost"
     return to_figure(
         figure,
         "waterfall",
@@ -217,8 +215,8 @@ def mission_figure(outcome: Outcome) -> Figure:
     return to_figure(
         figure,
         "mission",
-        f"{count} trials of the mission {seen}.{crosses}",
-        f"{count} trials (light) {seen}; dark: the median trial.{crosses}{lines}{astray}",
+        f"{counted(count, 'trial')} of the mission {seen}.{crosses}",
+        f"{counted(count, 'trial')} (light) {seen}; dark: the median trial.{crosses}{lines}{astray}",
         origin=outcome.tracks.origin,
     )
 

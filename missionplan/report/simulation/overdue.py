@@ -16,7 +16,7 @@ from missionplan.report.page import BLUE, GREEN, INK, ORANGE, PINK, Block, Figur
 from missionplan.report.plan_view import WIDTH, frame
 from missionplan.report.quantities import in_reader_units, quantity, reader_system, reader_unit
 from missionplan.report.simulation.quantities import failure_in_words
-from missionplan.report.wording import number
+from missionplan.report.wording import number, portion_in_words
 from missionplan.results.simulation import Outcome
 from missionplan.results.whereabouts import SHARES, Overdue, SearchArea
 
@@ -105,7 +105,7 @@ def _times(found: Overdue, start: datetime | None) -> Table:
         clocks = [_hours_minutes(value) for value in before]
         last = _clock(latest, start) if start else _hours_minutes(latest)
         energy = [number(time.energy_left, 0.05 * abs(time.energy_left) + 0.1)] if has_energy else []
-        rows.append((time.name, f"{100.0 * time.share:.0f}\u00a0%", *clocks, last, *energy))
+        rows.append((time.name, portion_in_words(time.share), *clocks, last, *energy))
     columns = ["at the surface", "trials", *("50 %", "95 %", "99 %", "99.9 %")[: told + 1]]
     caption = "Hours and minutes since the start by which that share of the trials is there."
     if any("" in row for row in rows):
@@ -175,7 +175,7 @@ def _areas(outcome: Outcome, found: Overdue) -> Table:
             _place(outcome, (area.densest_east, area.densest_north)),
             _size(area),
             _area(area),
-            *([f"{100.0 * area.missed:.0f} %"] if found.searches else []),
+            *([portion_in_words(area.missed)] if found.searches else []),
         )
         for area in found.areas
         if area.share == SHARES[-1]

@@ -8,6 +8,7 @@ from itertools import chain
 
 import numpy as np
 
+from missionplan.errors import counted
 from missionplan.exporters.geojson import (
     Feature,
     Origin,
@@ -130,7 +131,7 @@ def track_kml(outcome: Outcome) -> str | None:
     if folders is None:
         return None
     of_plan = f", SHA-256 of the mission {outcome.plan.digest}" if outcome.plan else ""
-    run = f"missionplan, seed {outcome.provenance.seed}, {outcome.provenance.trials} trials{of_plan}"
+    run = f"missionplan, seed {outcome.provenance.seed}, {counted(outcome.provenance.trials, 'trial')}{of_plan}"
     return kml(outcome.provenance.mission, run, folders)
 
 

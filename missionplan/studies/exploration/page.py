@@ -36,7 +36,7 @@ def answer(found: Exploration) -> str:
     """Write the best cell, what is as good, and where all requirements are met."""
     best = found.best_cell
     if best is None:
-        return f"None of the {tried(found)} can be compared: no trial reaches what is asked for."
+        return f"Nothing to choose: none of the {tried(found)} can be compared, as no trial does what is asked for."
     what = " and ".join(name_of(axis) for axis in found.axes)
     sentences = []
     if not found.constrained and found.has_requirements:

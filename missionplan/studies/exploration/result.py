@@ -296,7 +296,7 @@ def find_best(cells: Sequence[Cell], trials: Sequence[Trials], aim: Aim) -> Best
         for index in (good if constrained else valid)
         if column == SUCCESS or cells[index].quantities[column].count > 0
     ]
-    if not compared:
+    if not any(cells[index].success.value for index in compared):
         return Best(_with_front(cells), None, constrained)
     best = min(compared, key=lambda index: rank(cells[index], column))
     found = compare_with_best(

@@ -8,6 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure as MatplotlibFigure
 
 from missionplan.arrays import Array
+from missionplan.errors import counted
 from missionplan.report.axes import name_axis
 from missionplan.report.page import BLUE, GREEN, GREY, GRID, ORANGE, PINK, SKY, YELLOW, Figure, to_figure
 from missionplan.report.quantities import PERCENT, SECONDS, WATT_HOURS, Unit, length_in_words, quantity
@@ -111,13 +112,16 @@ def tracks_figure(plan: LegPlan) -> Figure:
         axes.set(title=title)
         name_axis(axes.yaxis, "Across, to port", "m")
     name_axis(rows[-1].xaxis, "Along the course", "km")
-    count, both = plan.fixed_tracks.shape[2], ", with the same errors, by both plans" if plan.recommended else ""
+    trials, both = (
+        counted(plan.fixed_tracks.shape[2], "trial"),
+        ", with the same errors, by both plans" if plan.recommended else "",
+    )
     return to_figure(
         figure,
         "tracks",
-        alt=f"Tracks of {count} trials{' by both plans' if plan.recommended else ''}, with dots where they surface",
+        alt=f"Tracks of {trials}{' by both plans' if plan.recommended else ''}, with dots where they surface",
         caption=(
-            f"{'The same ' if plan.recommended else ''}{count} trials{both}; across the course the scale is larger. "
+            f"{'The same ' if plan.recommended else ''}{trials}{both}; across the course the scale is larger. "
             "Dots: at the surface; ellipse: the arrival circle."
         ),
     )

@@ -10,6 +10,7 @@ from missionplan.report.explained import (
     judged_in_words,
     members_in_words,
     members_section,
+    works,
 )
 from missionplan.report.page import Cells, Listing, Page, PageSection, Table
 from missionplan.report.quantities import (
@@ -45,7 +46,7 @@ _APPROXIMATE = (
 
 def page(plan: LegPlan) -> Page:
     """Build the page of a plan of legs."""
-    good = plan.reaches and (plan.judged is None or plan.judged.requirements_met)
+    good = plan.reaches and works(plan.judged)
     own, (head, unit) = plan.cases[0], saving_unit(plan)
     costs = [(f"Mean cost of the best fixed d_max, {length_in_words(plan.fixed_d_max)}", own.fixed)]
     costs = [("Mean cost of the table", own.adaptive), *costs] if plan.adapts else costs

@@ -11,6 +11,7 @@ from missionplan.report.explained import (
     members_in_words,
     members_section,
     what_would_tell,
+    works,
 )
 from missionplan.report.page import Page, PageSection, Table
 from missionplan.report.quantities import (
@@ -22,7 +23,7 @@ from missionplan.report.quantities import (
     time_in_words,
     with_error,
 )
-from missionplan.report.wording import number, percent, phase_in_words, share
+from missionplan.report.wording import number, percent, phase_in_words, portion_in_words, share
 from missionplan.results.decision import FAILURE_LOSS, label
 from missionplan.studies.leg_length.figures import cost_figure, draw_costs, draw_surfacings, surfacings_figure
 from missionplan.studies.leg_length.sweep_result import Sweep, SweepCurve
@@ -45,7 +46,6 @@ def page(sweep: Sweep) -> Page:
     curve = sweep.middle
     chosen = curve.recommended
     what = "Recommended d_max" if curve.reaches(chosen) else "Best d_max, failures counted"
-    meets = sweep.judged is None or sweep.judged.requirements_met
     toothed = has_teeth(curve, sweep.critical_points)
     surfacings = (
         f"With the d_max chosen for σ_v = {quantity(curve.sigma, 'm/s', '.3g')} the vehicle surfaces "
@@ -70,7 +70,7 @@ def page(sweep: Sweep) -> Page:
             *([PageSection(surfacings, [surfacings_figure(sweep), _COUNTED])] if np.isfinite(chosen.cost) else []),
             PageSection("The numbers behind the curves", [cost_table(sweep)]),
         ],
-        verdict="" if meets and curve.reaches(chosen) else "bad",
+        verdict="" if works(sweep.judged) and curve.reaches(chosen) else "bad",
         table=lambda: _chosen_rows(sweep),
         plots={"cost": draw_costs, "surfacings": draw_surfacings},
     )
@@ -126,7 +126,7 @@ def _explanation_section(sweep: Sweep) -> list[PageSection]:
     rows = [
         [
             label(each.causes),
-            f"{100.0 * each.probability:.1f}\u00a0%",
+            portion_in_words(each.probability, 1),
             length_in_words(each.curve.recommended.d_max),
             share(each.chosen.arrived),
             f"{100.0 * each.excess:.1f}\u00a0%" if np.isfinite(each.excess) else "–",

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from missionplan.report.page import Block, Cells, Page, PageSection, Table, typed
 from missionplan.report.quantities import Unit, reader_unit
 from missionplan.report.simulation.quantities import failure_in_words
-from missionplan.report.wording import capitalised, in_words, number, raised
+from missionplan.report.wording import capitalised, in_words, number, portion_in_words, raised
 from missionplan.studies.rare_failure import Cause, FailureMode, RareFailure, WayDriven
 
 _FAILS = "not total.success"
@@ -31,7 +31,7 @@ def page(found: RareFailure) -> Page:
 
 
 def _cells(found: RareFailure) -> Cells:
-    rows = [(_way(mode), _percent(mode.share)) for mode in found.modes]
+    rows = [(_way(mode), portion_in_words(mode.share)) for mode in found.modes]
     is_failure = any(mode.step for mode in found.modes)
     return ("way to fail" if is_failure else "in", "of all of these"), rows
 
@@ -55,7 +55,7 @@ def answer(found: RareFailure) -> str:
     if not commonest.step:
         return f"{words} It comes with {causes}." if causes else words
     how = f" with {causes}" if causes else ""
-    return f"{words} {_percent(commonest.share)} of these are {failure_in_words(commonest.step)}{how}."
+    return f"{words} {portion_in_words(commonest.share)} of these are {failure_in_words(commonest.step)}{how}."
 
 
 def event_in_words(event: str) -> str:
@@ -95,7 +95,7 @@ def _how(found: RareFailure) -> Iterator[PageSection]:
     is_failure = any(mode.step for mode in found.modes)
     of_these = "the failures" if is_failure else "these missions"
     blocks: list[Block] = [
-        f"{_percent(mode.share)} of {of_these} are {_way(mode)}"
+        f"{portion_in_words(mode.share)} of {of_these} are {_way(mode)}"
         + (f", with {causes}." if (causes := _causes_in_words(mode)) else "; no input is far from usual in them.")
         for mode in found.modes
     ]
@@ -180,10 +180,6 @@ def _power(value: float) -> str:
         return f"{value:.2g}" if value < 100.0 else f"{value:.0f}"
     digits, exponent = f"{value:.1e}".split("e")
     return f"{digits}·10{raised(str(int(exponent)))}"
-
-
-def _percent(share: float) -> str:
-    return f"{100.0 * share:.{0 if 0.005 <= share < 0.995 or share == 1.0 else 1}f}\u00a0%"
 
 
 def failures(axes: Axes, found: RareFailure) -> None:

@@ -110,7 +110,7 @@ def cover_in_words(mission: Mission, current: Current | None) -> str:
         return ""
     words = f" Current: {_lasting(mission, current)}"
     if isinstance(current, Ensemble):
-        words += f", {len(current.members)} members"
+        words += f", {counted(len(current.members), 'member')}"
     if isinstance(current, GriddedCurrent):
         low, high = current.grid.extent / 1000.0
         words += f", from {low[0]:.1f} to {high[0]:.1f} km east and from {low[1]:.1f} to {high[1]:.1f} km north"

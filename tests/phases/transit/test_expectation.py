@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.special import erfc
 
 from missionplan.phases.transit import expectation
-from missionplan.phases.transit.expectation import expected_cost, expected_transit
+from missionplan.phases.transit.expectation import expected_transit
 from missionplan.phases.transit.plan import LegTable
 
 FIG8 = {"distance": 7408.0, "speed": 1.25, "arrival_radius": 50.0, "surfacing_time": 90.0}
@@ -44,7 +44,7 @@ def monte_carlo(distance, d_max, speed, arrival_radius, sigma, trials=20_000):
 
 
 def fig8_cost(fraction, sigma):
-    return expected_cost(d_max=fraction * FIG8["distance"], sigma=sigma, **FIG8)
+    return expected_transit(d_max=fraction * FIG8["distance"], sigma=sigma, **FIG8).cost
 
 
 @pytest.mark.parametrize("fraction", HIGH_PRECISION)
@@ -105,9 +105,9 @@ def test_without_error_legs_are_counted(d_max, surfacings, run, sigma):
 
 
 def test_small_errors_approach_none():
-    exact = expected_cost(d_max=1500.0, sigma=0.0, **FIG8)
+    exact = expected_transit(d_max=1500.0, sigma=0.0, **FIG8).cost
     for sigma in (1e-4, 1e-6, 1e-8):
-        assert expected_cost(d_max=1500.0, sigma=sigma, **FIG8) == pytest.approx(exact, abs=0.2 * sigma + 1e-7)
+        assert expected_transit(d_max=1500.0, sigma=sigma, **FIG8).cost == pytest.approx(exact, abs=0.2 * sigma + 1e-7)
 
 
 def test_one_leg_misses_with_rayleighs_probability():
@@ -153,7 +153,7 @@ def in_other_units(transit, d_max, length, time):
         "sigma": transit["sigma"] * length / time,
         "surfacing_time": transit["surfacing_time"] * time,
     }
-    return expected_cost(d_max=d_max * length, **scaled)
+    return expected_transit(d_max=d_max * length, **scaled).cost
 
 
 @settings(max_examples=30)
@@ -166,7 +166,7 @@ def in_other_units(transit, d_max, length, time):
 def test_cost_has_no_dimension(transit, fraction, length, time):
     """Powers of two change no digit; others may, by rounding, choose other panels, whose error is that of quadrature."""
     d_max = fraction * transit["distance"]
-    cost = expected_cost(d_max=d_max, **transit)
+    cost = expected_transit(d_max=d_max, **transit).cost
     exact = math.frexp(length)[0] == math.frexp(time)[0] == 0.5
     tolerance = 1e-12 if exact else 1e-5 * (1.0 + cost)
     assert in_other_units(transit, d_max, length, time) == pytest.approx(cost, rel=1e-12, abs=tolerance)
@@ -177,12 +177,12 @@ def test_cost_has_no_dimension(transit, fraction, length, time):
 def test_one_leg_costs_more_with_larger_errors_or_a_smaller_circle(transit, more):
     """With d_max ≥ distance J grows with d, so that by induction over legs it grows with σ and falls with r_x."""
     no_limit = 1e3 * transit["distance"]
-    cost = expected_cost(d_max=no_limit, **transit)
+    cost = expected_transit(d_max=no_limit, **transit).cost
     tolerance = 1e-5 * (1 + cost)
     noisier = transit | {"sigma": transit["sigma"] * more}
     wider = transit | {"arrival_radius": transit["arrival_radius"] * more}
-    assert expected_cost(d_max=no_limit, **noisier) >= cost - tolerance
-    assert expected_cost(d_max=no_limit, **wider) <= cost + tolerance
+    assert expected_transit(d_max=no_limit, **noisier).cost >= cost - tolerance
+    assert expected_transit(d_max=no_limit, **wider).cost <= cost + tolerance
 
 
 @settings(max_examples=30)
@@ -209,15 +209,15 @@ def test_cost_rises_with_the_surfacing_time_by_the_surfacings(transit, fraction,
 )
 def test_arguments_out_of_range(change, message):
     with pytest.raises(ValueError, match=message):
-        expected_cost(**{"d_max": 1000.0, "sigma": 0.035, **FIG8} | change)
+        expected_transit(**{"d_max": 1000.0, "sigma": 0.035, **FIG8} | change)
 
 
 @pytest.mark.parametrize("d_max", [400.0, 2500.0, 7000.0])
 @pytest.mark.parametrize("sigma", [0.0, 0.035, 0.3])
 def test_a_constant_table_is_a_fixed_d_max(d_max, sigma):
     table = LegTable(np.array([100.0, 3000.0]), np.array([d_max, d_max]))
-    fixed = expected_cost(d_max=d_max, sigma=sigma, **FIG8)
-    assert expected_cost(d_max=table, sigma=sigma, **FIG8) == pytest.approx(fixed, rel=2e-6, abs=5e-6)
+    fixed = expected_transit(d_max=d_max, sigma=sigma, **FIG8).cost
+    assert expected_transit(d_max=table, sigma=sigma, **FIG8).cost == pytest.approx(fixed, rel=2e-6, abs=5e-6)
 
 
 def test_a_table_with_a_jump_agrees_with_monte_carlo():

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from missionplan.phases.transit import policy
-from missionplan.phases.transit.expectation import expected_cost, expected_transit
+from missionplan.phases.transit.expectation import expected_transit
 from missionplan.phases.transit.plan import LegTable
 from missionplan.phases.transit.policy import TABLE_LOSS, best_d_max, best_legs, simplify_table
 
@@ -69,7 +69,7 @@ def test_no_perturbation_does_better(case, where, width, size):
     centre = np.log(arrival_radius) + where * np.log(distance / arrival_radius)
     bump = np.exp(-0.5 * ((np.log(left) - centre) / width) ** 2)
     leg = np.maximum(policy.legs(left) * (1.0 + size * bump), 0.1)
-    perturbed = expected_cost(case[0], LegTable(left, leg), *case[1:], SURFACING)
+    perturbed = expected_transit(case[0], LegTable(left, leg), *case[1:], SURFACING).cost
     assert perturbed >= policy.bound - TABLE_LOSS
 
 
@@ -78,7 +78,7 @@ def test_no_random_table_does_better(seed, size):
     policy = policy_of(SHORT)
     noise = np.random.default_rng(seed).standard_normal(policy.legs.leg.size)
     perturbed = LegTable(policy.legs.left, policy.legs.leg * np.exp(size * noise))
-    assert expected_cost(SHORT[0], perturbed, *SHORT[1:], SURFACING) >= policy.bound - TABLE_LOSS
+    assert expected_transit(SHORT[0], perturbed, *SHORT[1:], SURFACING).cost >= policy.bound - TABLE_LOSS
 
 
 @pytest.mark.parametrize("case", [SHORT, pytest.param((400.0, 1.0, 50.0, 0.25), marks=pytest.mark.slow)])
