@@ -47,7 +47,7 @@ def take_trials(value: Value, trials: NDArray[np.intp], *, alike: bool = False) 
     if isinstance(value, tuple):
         return cast("Value", tuple(take_trials(item, trials, alike=alike) for item in value))
     if is_dataclass(value) and not isinstance(value, type):
-        taken = {each.name: take_trials(getattr(value, each.name), trials, alike=alike) for each in fields(value)}
+        taken = {field.name: take_trials(getattr(value, field.name), trials, alike=alike) for field in fields(value)}
         return replace(value, **taken)
     return value
 
@@ -99,14 +99,14 @@ def bracketed_roots(functions: FallingFunctions, low: Array, high: Array, start:
     -------
     array, shape (n,)
     """
-    found = np.clip(start, low, high)
-    left, place, moved = np.arange(found.size), found, high - low
+    roots = np.clip(start, low, high)
+    left, place, moved = np.arange(roots.size), roots, high - low
     for _ in range(_MOST):
         value, step = functions.evaluate(place)
         low, high = np.where(value >= 0.0, place, low), np.where(value <= 0.0, place, high)
         proposed = np.clip(place + step, low, high)
         open_ = (np.abs(step) >= tolerance) & (high - low >= tolerance)
-        found[left] = np.where(open_, place, proposed)
+        roots[left] = np.where(open_, place, proposed)
         if not open_.any():
             break
         halved = (proposed <= low) | (proposed >= high) | (np.abs(step) > 0.5 * moved)
@@ -116,4 +116,4 @@ def bracketed_roots(functions: FallingFunctions, low: Array, high: Array, start:
             kept = np.flatnonzero(open_)
             functions, left = functions.take(kept), left[kept]
             place, low, high, moved = place[kept], low[kept], high[kept], moved[kept]
-    return found
+    return roots

@@ -36,7 +36,7 @@ class Problem:
         place = f"{self.file}:{self.line}" if self.file and self.line is not None else self.file
         parts = [part for part in (place, self.key, self.message) if part]
         text = ": ".join(parts) + (f" ({self.hint})" if self.hint else "")
-        return UNPRINTABLE.sub(lambda found: ascii(found[0])[1:-1], text)
+        return UNPRINTABLE.sub(lambda match: ascii(match[0])[1:-1], text)
 
 
 @dataclass(frozen=True)
@@ -122,7 +122,7 @@ def counted(number: int, noun: str) -> str:
     return f"{number} {noun}{'' if number == 1 else 's'}"
 
 
-def did_you_mean(name: str, known: Iterable[str], before: str = "") -> str:
+def did_you_mean(name: str, names: Iterable[str], before: str = "") -> str:
     """Return a hint at the known name nearest to the one given, with `before` in front; empty where none is near."""
-    close = get_close_matches(name, list(known), n=1)
+    close = get_close_matches(name, list(names), n=1)
     return f"{before}did you mean {close[0]}?" if close else ""

@@ -60,7 +60,7 @@ def _places(package: str) -> list[str]:
 
 def how_to_install(extra: str) -> str:
     """Write the command that installs the libraries of an extra, wherever this package itself came from."""
-    needed = [each.split(";") for each in requires("missionplan") or ()]
+    needed = [requirement.split(";") for requirement in requires("missionplan") or ()]
     libraries = [name.strip() for name, *marker in needed if f'extra == "{extra}"' in "".join(marker).replace("'", '"')]
     return " ".join(["pip install", *(f"'{library}'" for library in libraries)])
 
@@ -143,7 +143,7 @@ class Identity:
         """Read what `whole` returned; raises KeyError or TypeError for anything else."""
         made = Program(*(data[key] for key in ("version", "code", "plugins", "libraries")))  # type: ignore[arg-type]
         inputs, options = data["inputs"], data["options"]
-        if not all(isinstance(each, dict) for each in (inputs, options, made.plugins, made.libraries)):
+        if not all(isinstance(part, dict) for part in (inputs, options, made.plugins, made.libraries)):
             raise TypeError("an identity's parts are mappings")
         return cls(inputs, options, data["seed"], made)  # type: ignore[arg-type]
 
@@ -225,13 +225,13 @@ def _jsonable(value: object) -> object:
 
 def _plugin_digest(name: str) -> str:
     try:
-        found = find_spec(name)
+        spec = find_spec(name)
     except (ImportError, ValueError):
-        found = None
-    folders = list(found.submodule_search_locations or ()) if found is not None else []
+        spec = None
+    folders = list(spec.submodule_search_locations or ()) if spec is not None else []
     if folders:
         return digest_of([_digest_of_folder(folder) for folder in folders])
-    return digest_of_files([found.origin]) if found is not None and found.has_location and found.origin else "missing"
+    return digest_of_files([spec.origin]) if spec is not None and spec.has_location and spec.origin else "missing"
 
 
 def _digest_of_folder(folder: str) -> str:

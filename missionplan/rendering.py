@@ -95,6 +95,6 @@ class Plots:
         plots = presenter().plots(self._result)
         if plots and (name is None or name in plots):
             return plots[name if name is not None else next(iter(plots))]
-        known = f"expected one of {', '.join(plots)}" if plots else "the result has no plots"
+        expected = f"expected one of {', '.join(plots)}" if plots else "the result has no plots"
         hint = did_you_mean(str(name), plots)
-        raise InputError([Problem(f"given {shown(name)}, {known}", key="plot", hint=hint)])
+        raise InputError([Problem(f"given {shown(name)}, {expected}", key="plot", hint=hint)])

@@ -108,8 +108,8 @@ def verify(
     made = _Made(folder, summary, allow_outside, jobs, progress)
     again = _STUDIES.get(made.command)
     if again is None:
-        known = ", ".join(_STUDIES)
-        message = f"was made by {made.command}; reports of {known} can be computed again"
+        commands = ", ".join(_STUDIES)
+        message = f"was made by {made.command}; reports of {commands} can be computed again"
         raise InputError([Problem(message, str(folder))])
     blocks = made.blocks() if made.command == "simulate" and not made.options.get("rare") else []
     unlike = made.unlike()
@@ -204,7 +204,7 @@ class _Made:
             extra = {"checkpoint": checkpoint} if blocks else {}
             result = again(self, **extra)
             here = {item: _without_digest(read_block(checkpoint, *item)) for item in blocks}
-        before, now = (_answer(each) for each in (self.summary, json.loads(to_json(result.summary()))))
+        before, now = (_answer(summary) for summary in (self.summary, json.loads(to_json(result.summary()))))
         paths = dict.fromkeys((*before, *now))
         different = [
             f"{'.'.join(path)}: was {before.get(path, 'nothing')}, here {now.get(path, 'nothing')}"
@@ -246,8 +246,8 @@ _OPTIONS: Mapping[str, Mapping[str, str]] = {
 def _of_mission(made: _Made) -> "Result":
     chosen = {name: made.options[option] for option, name in _OPTIONS[made.command].items() if option in made.options}
     run = {"progress": made.progress} if made.command == "sweep-transition" else made.drawn
-    found: Result = getattr(missionplan, made.command.replace("-", "_"))(made.mission(), **chosen, **run)
-    return found
+    result: Result = getattr(missionplan, made.command.replace("-", "_"))(made.mission(), **chosen, **run)
+    return result
 
 
 def _diagnose(made: _Made) -> "Result":

@@ -114,14 +114,14 @@ _OPTIONS = {
 
 def _as_options(error: MissionplanError) -> list[Problem]:
     """Say what is wrong with arguments of the public functions as what is wrong with options."""
-    found = []
+    problems = []
     for problem in getattr(error, "problems", ()):
         hint = problem.hint
         for argument, option in _OPTIONS.items():
             hint = hint.replace(argument, option)
         key = f"--{problem.key.replace('_', '-')}" if problem.key and not problem.file else problem.key
-        found.append(replace(problem, hint=hint, key=key))
-    return found or [Problem(str(error))]
+        problems.append(replace(problem, hint=hint, key=key))
+    return problems or [Problem(str(error))]
 
 
 def _print_errors(problems: Sequence[Problem]) -> None:

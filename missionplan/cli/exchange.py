@@ -76,7 +76,7 @@ class ImportOptions:
     def logs(self, sources: list[str]) -> list[Path]:
         """Return the sources that are logs: `--map lat=A lon=B` leaves the second assignment to the sources."""
         entries = self._entries(sources)
-        paths = [Path(each) for each in sources if each not in entries]
+        paths = [Path(source) for source in sources if source not in entries]
         if not paths:
             raise InputError([Problem("no log files are named", key="map")])
         return paths
@@ -113,7 +113,7 @@ class ImportOptions:
     def _entries(sources: list[str]) -> list[str]:
         from missionplan.importers.mapping import ASSIGNMENT
 
-        return [each for each in sources if ASSIGNMENT.fullmatch(each) and not exists(Path(each))]
+        return [source for source in sources if ASSIGNMENT.fullmatch(source) and not exists(Path(source))]
 
 
 def import_(
@@ -170,7 +170,7 @@ def why(
         if not quiet:
             remark(typeset(answer(logs)))
         deliver(logs, dataset, replace(output, as_json=False, quiet=quiet or not logs.pictures, force=True))
-        found = diagnosed(
+        diagnosis = diagnosed(
             mission or dataset / MISSION,
             [dataset],
             folder,
@@ -181,7 +181,7 @@ def why(
             allow_outside=allow_outside,
             quiet=output.quiet,
         )
-        deliver(found, folder, replace(output, force=True))
+        deliver(diagnosis, folder, replace(output, force=True))
 
 
 def _quantity(text: str | None, key: str, unit: str) -> float | None:
@@ -202,10 +202,10 @@ def _quantity(text: str | None, key: str, unit: str) -> float | None:
 def _place(text: str | None) -> tuple[float, float] | None:
     if text is None:
         return None
-    found = re.fullmatch(r"\s*([-+]?[\d.]+)\s*,\s*([-+]?[\d.]+)\s*", text)
+    match = re.fullmatch(r"\s*([-+]?[\d.]+)\s*,\s*([-+]?[\d.]+)\s*", text)
     try:
-        if found:
-            return float(found[1]), float(found[2])
+        if match:
+            return float(match[1]), float(match[2])
     except ValueError:
         pass
     raise InputError(

@@ -70,11 +70,11 @@ def compare(
     Missions are run on the same random numbers, so that small differences show. More than two reports must be of
     simulate, of explore, or of optimise. Example: missionplan compare slow.yaml fast.yaml faster.yaml --trials 2000
     """
-    read = [each / "summary.json" if each.is_dir() else each for each in compared]
+    read = [path / "summary.json" if path.is_dir() else path for path in compared]
 
     with report_folder(output, compared[-1].resolve().stem, "compare", read) as folder:
         with progress_bar("compare", shown=not output.quiet) as progress:
-            found = missionplan.compare(
+            comparison = missionplan.compare(
                 *compared,
                 trials=trials,
                 seed=seed,
@@ -82,7 +82,7 @@ def compare(
                 allow_outside=allow_outside,
                 progress=progress,
             )
-        deliver(found, folder, output)
+        deliver(comparison, folder, output)
 
 
 _Files = Annotated[list[Path], typer.Argument(metavar="FILE...", help="Mission files, data sets, and folders of them.")]
@@ -92,31 +92,31 @@ def validate(
     files: _Files, allow_outside: o.AllowOutside = False, as_json: o.Json = False, quiet: o.Quiet = False
 ) -> None:
     """Check missions and data sets without running anything, and list which commands each is ready for."""
-    found = missionplan.validate(files, allow_outside=allow_outside)
-    if as_json and not any(each.problems for each in found):
-        typer.echo(json.dumps({"errors": [], "files": [_valid(each) for each in found]}, indent=1))
+    checks = missionplan.validate(files, allow_outside=allow_outside)
+    if as_json and not any(check.problems for check in checks):
+        typer.echo(json.dumps({"errors": [], "files": [_valid(check) for check in checks]}, indent=1))
     elif not quiet and not as_json:
-        for each in (each for each in found if not each.problems):
-            typer.echo(f"{each.path}: {each.summary}")
-            for line in (*each.values, *each.table):
+        for check in (check for check in checks if not check.problems):
+            typer.echo(f"{check.path}: {check.summary}")
+            for line in (*check.values, *check.table):
                 typer.echo(f"  {line}")
-            for notice in each.notices:
-                note(f"{each.path}: {notice}")
-    problems: list[Problem] = [problem for each in found for problem in each.problems]
+            for notice in check.notices:
+                note(f"{check.path}: {notice}")
+    problems: list[Problem] = [problem for check in checks for problem in check.problems]
     if problems:
         raise InputError(problems)
 
 
-def _valid(found: "Validated") -> dict[str, object]:
+def _valid(check: "Validated") -> dict[str, object]:
     return {
-        "file": str(found.path),
-        "summary": found.summary,
-        "values": [str(value) for value in found.values],
+        "file": str(check.path),
+        "summary": check.summary,
+        "values": [str(value) for value in check.values],
         "commands": [
             {"command": row.command, "ready": not row.needs, "needs": list(row.needs), "without": row.without}
-            for row in found.table
+            for row in check.table
         ],
-        "notices": list(found.notices),
+        "notices": list(check.notices),
     }
 
 
@@ -135,9 +135,9 @@ def reports(number: _Number = None, root: _Root = Path("reports")) -> None:
 
     missionplan reports 1 opens the newest.
     """
-    found = missionplan.reports(root)
+    entries = missionplan.reports(root)
     if number is None:
-        for place, entry in enumerate(found, start=1):
+        for place, entry in enumerate(entries, start=1):
             when = f"{entry.created:%Y-%m-%d %H:%M}" if entry.created else "(no date)"
             head = f"{place:>3}  {when}  {entry.command}"
             mission = textwrap.shorten(entry.mission, max(_WIDTH - len(head) - 3, 20), placeholder=" ...")
@@ -147,12 +147,12 @@ def reports(number: _Number = None, root: _Root = Path("reports")) -> None:
             )
             for line in (*answer, entry.folder):
                 typer.echo(f"     {line}")
-        if not found:
+        if not entries:
             note(f"There are no reports in {root} yet.")
         return
-    if not 1 <= number <= len(found):
-        raise InputError([Problem(f"given {number}, expected 1 to {len(found)}", key="NUMBER", file=str(root))])
-    page = found[number - 1].page
+    if not 1 <= number <= len(entries):
+        raise InputError([Problem(f"given {number}, expected 1 to {len(entries)}", key="NUMBER", file=str(root))])
+    page = entries[number - 1].page
     typer.echo(str(page))
     if not webbrowser.open(page.resolve().as_uri()):
         note("No browser could be started: open that file in one.")
@@ -177,16 +177,16 @@ def verify(
     """
     with progress_bar("verify", shown=not quiet) as progress:
         processes = o.worker_count(jobs)
-        found = missionplan.verify(
+        verification = missionplan.verify(
             report, all_blocks=all_blocks, jobs=processes, allow_outside=allow_outside, progress=progress
         )
     if as_json:
         from missionplan.results import to_json
 
-        sys.stdout.write(to_json(found.summary()))
+        sys.stdout.write(to_json(verification.summary()))
     elif not quiet:
-        typer.echo(str(found))
-    if not found.same:
+        typer.echo(str(verification))
+    if not verification.same:
         raise typer.Exit(OTHER_BITS)
 
 

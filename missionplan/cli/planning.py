@@ -56,8 +56,8 @@ def sweep_dmax(
     """Compute the cost of each maximum leg length d_max, and find the best, for each velocity error."""
     with _workers_importing(_SWEEPS_NEED, run.other_processes):
         study = partial(missionplan.sweep_dmax, method=method, **run.arguments())
-        found = run_study(mission, "sweep-dmax", study, output, allow_outside=allow_outside)
-    _exit_as_judged(found)
+        sweep = run_study(mission, "sweep-dmax", study, output, allow_outside=allow_outside)
+    _exit_as_judged(sweep)
 
 
 _Aim = Annotated[
@@ -82,8 +82,8 @@ def plan_legs(
     """Find leg lengths that adapt to the distance left, and what they save against the best fixed d_max."""
     with _workers_importing(_PLANS_NEED, run.other_processes):
         study = partial(missionplan.plan_legs, aim=aim, **run.arguments())
-        found = run_study(mission, "plan-legs", study, output, allow_outside=allow_outside)
-    _exit_as_judged(found)
+        plan = run_study(mission, "plan-legs", study, output, allow_outside=allow_outside)
+    _exit_as_judged(plan)
 
 
 def _exit_as_judged(result: "Sweep | LegPlan") -> None:
@@ -162,11 +162,11 @@ _Rare = Annotated[
 
 def with_default_event(arguments: Sequence[str]) -> list[str]:
     """Add the event that `--rare` stands for where it is given without one: typer's options need their values."""
-    given = list(arguments)
-    for place in reversed([place for place, argument in enumerate(given) if argument == "--rare"]):
-        if place + 1 == len(given) or given[place + 1].startswith("-"):
-            given.insert(place + 1, FAILS)
-    return given
+    words = list(arguments)
+    for place in reversed([place for place, argument in enumerate(words) if argument == "--rare"]):
+        if place + 1 == len(words) or words[place + 1].startswith("-"):
+            words.insert(place + 1, FAILS)
+    return words
 
 
 FAILS = "not total.success"
@@ -189,8 +189,8 @@ def simulate(
 ) -> None:
     """Simulate the whole mission: will it work, how long will it take, how much energy, and what makes it fail."""
     if rare is not None:
-        given = {"resume": resume, "keep_trials": keep_trials, "searched": searched is not None}
-        refused = [name for name, is_given in {**given, "as_exported": as_exported is not None}.items() if is_given]
+        options = {"resume": resume, "keep_trials": keep_trials, "searched": searched is not None}
+        refused = [name for name, is_given in {**options, "as_exported": as_exported is not None}.items() if is_given]
         if refused:
             message = "does not go with --rare, which writes failures.csv and starts anew"
             raise InputError([Problem(message, key=name) for name in refused])
@@ -273,8 +273,8 @@ def explore(
         study = partial(
             missionplan.explore, vary=vary, aim=aim, only_best=only_best, quantities=quantity or (), **run.arguments()
         )
-        found = run_resumable(mission, "explore", study, output, allow_outside=allow_outside, resume=resume)
-    if not found.any_meets_all:
+        exploration = run_resumable(mission, "explore", study, output, allow_outside=allow_outside, resume=resume)
+    if not exploration.any_meets_all:
         raise typer.Exit(REQUIREMENT_NOT_MET)
 
 
@@ -309,6 +309,6 @@ def optimise(
     processes = o.worker_count(jobs)
     with _workers_importing(_CELLS_NEED, processes - 1):
         study = partial(missionplan.optimise, choose=choose or (), aim=aim, trials=trials, seed=seed, jobs=processes)
-        found = run_resumable(mission, "optimise", study, output, allow_outside=allow_outside, resume=resume)
-    if not found.feasible:
+        optimisation = run_resumable(mission, "optimise", study, output, allow_outside=allow_outside, resume=resume)
+    if not optimisation.feasible:
         raise typer.Exit(REQUIREMENT_NOT_MET)

@@ -67,9 +67,9 @@ def loaded(path: Path, datasets: Sequence[Path], folder: Path, *, allow_outside:
         from missionplan.datasets import dataset_files
         from missionplan.studies.data_sets import check_dataset
 
-        found = attempted(partial(dataset_files, dataset), problems)
-        if found is not None:
-            files += found
+        paths = attempted(partial(dataset_files, dataset), problems)
+        if paths is not None:
+            files += paths
             attempted(partial(check_dataset, dataset, mission, allow_outside=allow_outside), problems)
     attempted(partial(check_holds_no_input, folder, files), problems)
     if mission is None or problems:
@@ -213,7 +213,7 @@ def beside_import(module: str, compute: Callable[[], _Result]) -> _Result:
         return compute()
     try:
         import_module(module)
-        found = copy.result
+        result = copy.result
     except EOFError:
         raise RunError(WORKER_DIED) from None
     except KeyboardInterrupt:
@@ -222,9 +222,9 @@ def beside_import(module: str, compute: Callable[[], _Result]) -> _Result:
         raise
     finally:
         copy.end()
-    if isinstance(found, BaseException):
-        raise found
-    return found
+    if isinstance(result, BaseException):
+        raise result
+    return result
 
 
 BLOCKS = "blocks"
@@ -288,8 +288,8 @@ def run_resumable(
     The blocks stay there if they are to be kept, so that the run can be extended, else until it is done. `page`: module
     that is imported while a copy of this process runs the study; none: this process runs it.
     """
-    found = last_unfinished(path.stem, command) if resume and output.out is None else output.out
-    chosen = replace(output, out=found, force=output.force or resume)
+    out = last_unfinished(path.stem, command) if resume and output.out is None else output.out
+    chosen = replace(output, out=out, force=output.force or resume)
     with report_folder(chosen, path.stem, command) as folder:
         mission = loaded(path, (), folder, allow_outside=allow_outside)
         if output.force and not resume:

@@ -78,9 +78,9 @@ class RawDataset(Generic[S_co]):
 
         `problems`: further ones, of what the rows say. Raises InputError: all problems of the folder at once.
         """
-        found = [*self.problems, *problems]
-        if found or self.settings is None:
-            raise InputError(found)
+        all_problems = [*self.problems, *problems]
+        if all_problems or self.settings is None:
+            raise InputError(all_problems)
         return self.settings
 
 
@@ -102,31 +102,31 @@ def dataset_files(folder: Path) -> tuple[Path, ...]:
 
     Raises InputError when there is no ``dataset.yaml``, or it is no mapping.
     """
-    found, left = [folder / "dataset.yaml"], list(load_dataset_document(folder).data.values())
+    files, left = [folder / "dataset.yaml"], list(load_dataset_document(folder).data.values())
     while left:
         value = left.pop()
         if isinstance(value, dict | list):
             left += value.values() if isinstance(value, dict) else value
         elif isinstance(value, str) and value.strip() and is_file(folder / value.strip()):
-            found.append(folder / value.strip())
-    return tuple(found)
+            files.append(folder / value.strip())
+    return tuple(files)
 
 
-def dataset_kind(folder: Path, known: Iterable[str]) -> str:
+def dataset_kind(folder: Path, kinds: Iterable[str]) -> str:
     """Return the kind of a data set, from its ``dataset.yaml`` alone.
 
-    `known`: kinds that are expected. Raises InputError when the file is missing or its kind is none of these.
+    `kinds`: kinds that are expected. Raises InputError when the file is missing or its kind is none of these.
     """
-    return _checked_kind(load_dataset_document(folder), tuple(known))
+    return _checked_kind(load_dataset_document(folder), tuple(kinds))
 
 
-def _checked_kind(document: Document, known: tuple[str, ...]) -> str:
-    expected = f"expected {'one of ' if len(known) > 1 else ''}{', '.join(known)}"
+def _checked_kind(document: Document, kinds: tuple[str, ...]) -> str:
+    expected = f"expected {'one of ' if len(kinds) > 1 else ''}{', '.join(kinds)}"
     kind = document.data.get("kind")
     if kind is None:
         raise InputError([document.problem(("kind",), f"missing; {expected}")])
-    if kind not in known:
-        hint = did_you_mean(str(kind), known)
+    if kind not in kinds:
+        hint = did_you_mean(str(kind), kinds)
         raise InputError([document.problem(("kind",), f"given {shown(kind)}, {expected}", hint)])
     return str(kind)
 
@@ -151,9 +151,9 @@ def read_dataset(folder: Path, form: DatasetFormat[S_co]) -> RawDataset[S_co]:
 
 def _settings(document: Document, model: type[S_co], problems: list[Problem]) -> S_co | None:
     """Check the keys of ``dataset.yaml``; one without a value counts as not given."""
-    given = {key: value for key, value in document.data.items() if value is not None}
+    values = {key: value for key, value in document.data.items() if value is not None}
     try:
-        return model.model_validate(given)
+        return model.model_validate(values)
     except ValidationError as error:
         problems += validation_problems(error, document, model)
         return None

@@ -121,7 +121,7 @@ def read_header(path: Path) -> list[str]:
 
 def long_rows(path: Path, width: int) -> list[int]:
     """Lines with more cells than the header; cells beyond it that are blank do not count."""
-    found = []
+    numbers = []
     with open_table(path) as lines:
         for number, line in enumerate(lines, start=1):
             if line.count(b",") >= width and number > 1:
@@ -131,8 +131,8 @@ def long_rows(path: Path, width: int) -> list[int]:
                 except csv.Error:  # a cell of more than 131 072 characters
                     cells = words.split(",")
                 if any(cell.strip() for cell in cells[width:]):
-                    found.append(number)
-    return found
+                    numbers.append(number)
+    return numbers
 
 
 def read_cells(path: Path, header: Sequence[str], used: Sequence[str], text: Sequence[str]) -> pd.DataFrame:

@@ -59,8 +59,8 @@ class DivesSettings(DatasetSettings):
 def date_of_runs(names: Iterable[str], settings: DivesSettings) -> float:
     """Mean date of runs [s since 1970]; nan where one has none."""
     dates = [settings.runs.get(name, RunSection()).date or settings.start for name in names]
-    known = [date.timestamp() for date in dates if date is not None]
-    return math.fsum(known) / len(known) if known and len(known) == len(dates) else math.nan
+    moments = [date.timestamp() for date in dates if date is not None]
+    return math.fsum(moments) / len(moments) if moments and len(moments) == len(dates) else math.nan
 
 
 @dataclass(frozen=True)
@@ -91,11 +91,11 @@ def conditions_of_runs(
             problems.append(raw.document.problem(("runs", name), "no row of the table is of this run", hint))
     for name in names:
         run = raw.settings.runs.get(name, RunSection())
-        given = default | run.model_dump(exclude_none=True)
-        missing = [key for key in _CONDITIONS if key not in given]
+        values = default | run.model_dump(exclude_none=True)
+        missing = [key for key in _CONDITIONS if key not in values]
         messages = [f"needs {key}: neither the run nor the mission has it" for key in missing]
         if not missing:
-            conditions[name] = DiveConditions(given["anchor_wet_weight"], given["line_length"], given["depth"])
+            conditions[name] = DiveConditions(values["anchor_wet_weight"], values["line_length"], values["depth"])
             if conditions[name].site_depth > DEEPEST:
                 messages.append(f"depth: expected at most {DEEPEST:g} m, the deepest sea")
             if conditions[name].site_depth <= conditions[name].line_length:
@@ -106,15 +106,15 @@ def conditions_of_runs(
 
 def _of_mission(mission: Mission) -> dict[str, float]:
     """Conditions of the mission's first mooring, at its means, as far as it has them."""
-    found: dict[str, float] = {}
+    conditions: dict[str, float] = {}
     if mission.site is not None and mission.site.depth is not None:
-        found["depth"] = mean_of(mission.site.depth)
+        conditions["depth"] = mean_of(mission.site.depth)
     if mission.moors:
         moor = mission.moors[0]
-        found["line_length"] = mean_of(moor.line_length)
+        conditions["line_length"] = mean_of(moor.line_length)
         if not isinstance(moor.anchor_wet_weight, str):
-            found["anchor_wet_weight"] = mean_of(moor.anchor_wet_weight)
-    return found
+            conditions["anchor_wet_weight"] = mean_of(moor.anchor_wet_weight)
+    return conditions
 
 
 class DepthNoise(FileSection):
@@ -156,11 +156,11 @@ def read_descent(folder: Path, mission: Mission) -> DescentData:
     runs = {str(name): run for name, run in raw.table.groupby("run", sort=False)}
     problems = [problem for name, run in runs.items() for problem in _check_run(name, run, raw)]
     conditions, incomplete = conditions_of_runs(_described(raw), raw, mission)
-    known = [_measured(name, run, conditions[name]) for name, run in runs.items() if name in conditions]
-    over = [next(filter(None, (check(dive, raw.file) for check in _CHECKS)), []) for dive in known]
+    dives = [_measured(name, run, conditions[name]) for name, run in runs.items() if name in conditions]
+    over = [next(filter(None, (check(dive, raw.file) for check in _CHECKS)), []) for dive in dives]
     settings = raw.checked([*undated, *problems, *incomplete, *chain(*over)])
     unused = [f"{column} is not used by the diagnosis of depths" for column in IGNORED if column in raw.table]
-    kept, again = _counted_once(known)
+    kept, again = _counted_once(dives)
     notices = (*raw.notices, *unused, *again)
     date = date_of_runs([dive.name for dive in kept], settings)
     return DescentData(raw.name, raw.source, raw.file, kept, settings.noise.depth, notices, date)
@@ -194,9 +194,9 @@ def _from_separations(
     return replace(raw, table=raw.table.assign(t_s=t)), problems
 
 
-def _measured(name: str, run: pd.DataFrame, own: DiveConditions) -> MeasuredDive:
+def _measured(name: str, run: pd.DataFrame, dive: DiveConditions) -> MeasuredDive:
     t, depth = run["t_s"].to_numpy(), run["depth_m"].to_numpy()
-    return MeasuredDive(name, int(run.index[0]), t, depth, own.wet_weight, own.line_length, own.site_depth)
+    return MeasuredDive(name, int(run.index[0]), t, depth, dive.wet_weight, dive.line_length, dive.site_depth)
 
 
 def _check_still_diving(dive: MeasuredDive, file: str) -> list[Problem]:
@@ -247,8 +247,8 @@ def _described(raw: RawDataset[DescentSettings]) -> list[str]:
 def _check_run(name: str, run: pd.DataFrame, raw: RawDataset[DescentSettings]) -> list[Problem]:
     first, described = int(run.index[0]), _described(raw)
     if name not in described:
-        known = ", ".join(described) or "none"
-        message = f"run {name!r} is not among runs: in dataset.yaml ({known})"
+        names = ", ".join(described) or "none"
+        message = f"run {name!r} is not among runs: in dataset.yaml ({names})"
         return [Problem(message, raw.file, first, "run", did_you_mean(name, described))]
     steps = np.diff(run["t_s"].to_numpy())
     problems = []

@@ -59,13 +59,13 @@ def first_known(data: "TransitData", learned: Sequence[str] = ()) -> NDArray[np.
     if data.epoch is not None:
         around = np.stack([_steps(_moments(data) + sign * REWRITTEN, WHEN) for sign in (-1.0, 1.0)], axis=-1)
         near = [sorted({_hash("leg at", row) for row in product(*map(tuple, leg))}) for leg in around.tolist()]
-    found = []
+    places = []
     for leg, identity in enumerate(data.identities):
         shape, moment = identity[:DIGITS], identity[DIGITS:]
-        found.append(next((first[key] for key in (shape, *near[leg]) if key in first), leg))
+        places.append(next((first[key] for key in (shape, *near[leg]) if key in first), leg))
         for key in filter(None, (shape, moment)):
-            first.setdefault(key, found[-1])
-    return np.array(found, dtype=int)
+            first.setdefault(key, places[-1])
+    return np.array(places, dtype=int)
 
 
 class HasIdentities(Protocol):
@@ -158,11 +158,11 @@ def listed(names: Sequence[str]) -> str:
 def _occurrences(rows: Sequence[str]) -> list[int]:
     """Number of rows before each that agree with it."""
     seen: Counter[str] = Counter()
-    found = []
+    counts = []
     for row in rows:
-        found.append(seen[row])
+        counts.append(seen[row])
         seen[row] += 1
-    return found
+    return counts
 
 
 def _steps(values: Array, step: float | Array) -> NDArray[np.int_]:

@@ -151,10 +151,10 @@ def _numbers(run: pd.DataFrame) -> dict[str, tuple[float, float]]:
 def _test(
     name: str, numbers: Mapping[str, tuple[float, float]], conditions: DiveConditions, notices: list[str]
 ) -> TestSummary:
-    found = tuple(quantity for quantity in MEASURED if quantity in numbers)
-    simulated = [numbers.get(SIMULATED + quantity) for quantity in found]
+    quantities = tuple(quantity for quantity in MEASURED if quantity in numbers)
+    simulated = [numbers.get(SIMULATED + quantity) for quantity in quantities]
     values, spreads = [], []
-    for quantity, other in zip(found, simulated, strict=True):
+    for quantity, other in zip(quantities, simulated, strict=True):
         value, sd = numbers[quantity]
         if not np.isfinite(sd):
             sd = RELATIVE_SD * abs(value)
@@ -163,7 +163,7 @@ def _test(
         spreads.append(sd)
     return TestSummary(
         name,
-        found,
+        quantities,
         np.array(values),
         np.array(spreads),
         tuple(other is not None for other in simulated),

@@ -240,10 +240,10 @@ def problems_at(lines: Sequence[int] | pd.Index, problem: Callable[[int], Proble
 
     `lines`: lines with problems of one sort. `problem`: from a line to its problem.
     """
-    found = [problem(int(line)) for line in lines[:MAX_SHOWN]]
+    problems = [problem(int(line)) for line in lines[:MAX_SHOWN]]
     if len(lines) > MAX_SHOWN:
-        found[-1] = replace(found[-1], message=f"{found[-1].message}; {len(lines) - MAX_SHOWN} more like it")
-    return found
+        problems[-1] = replace(problems[-1], message=f"{problems[-1].message}; {len(lines) - MAX_SHOWN} more like it")
+    return problems
 
 
 def wrong_cells(lines: Sequence[int] | pd.Index, message: str, file: str, column: str, hint: str = "") -> list[Problem]:

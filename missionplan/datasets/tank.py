@@ -276,8 +276,8 @@ def read_tank_data(folder: str | Path) -> TankData:
 def _counted_once(kind: str, rows: pd.DataFrame) -> tuple[pd.DataFrame, tuple[str, ...], tuple[str, ...]]:
     """Rows of a table, once where it stands several times over; their hashes; and a notice of it."""
     columns, labels = _split(rows)
-    told: dict[str, Array | list[str]] = {**columns, **{name: words for name, words in labels.items() if name != "run"}}
-    texts = row_texts([told[name] for name in sorted(told)])
+    data: dict[str, Array | list[str]] = {**columns, **{name: words for name, words in labels.items() if name != "run"}}
+    texts = row_texts([data[name] for name in sorted(data)])
     once = np.ones(len(texts), dtype=bool) if "t_s" in columns else written_once(texts)
     notices = () if once.all() else (f"the rows stand {len(once) // once.sum()} times over, and count once",)
     texts = [text for text, keep in zip(texts, once, strict=True) if keep]
@@ -297,16 +297,16 @@ _POSITIVE = {
 
 def _not_positive(raw: RawDataset[Settings]) -> list[Problem]:
     """List the cells that must be more than nil, and are not."""
-    found = []
+    problems = []
     for (kind, name), hint in _POSITIVE.items():
         if kind == raw.document.data.get("kind") and name in raw.table:
             rows = raw.table.index[raw.table[name] <= 0.0]
-            found += wrong_cells(rows, "expected more than 0", raw.file, name, hint)
+            problems += wrong_cells(rows, "expected more than 0", raw.file, name, hint)
     force = raw.table["force_n"] if "force_n" in raw.table else pd.Series([1.0])
     if force.median() <= 0.0:
         message = "most forces are not above 0; expected the drag, against the motion, as positive"
-        found.append(Problem(message, raw.file, key="force_n"))
-    return found
+        problems.append(Problem(message, raw.file, key="force_n"))
+    return problems
 
 
 def _unmoved(raw: RawDataset[Settings]) -> list[Problem]:

@@ -77,7 +77,7 @@ def diagnose_campaign(
     parted = [folder for folder in folders if dataset_kind(folder, KINDS) in PARTED]
     if holdout is not None and not parted:
         raise InputError("holdout: none of the data sets is of legs (transit) or dives (descent)")
-    extended, found = base, []
+    extended, diagnoses = base, []
     for folder in folders:
         one = diagnose(
             extended,
@@ -89,11 +89,11 @@ def diagnose_campaign(
             next_trial=next_trial and folder == folders[-1],
             allow_outside=allow_outside,
         )
-        found.append(one)
+        diagnoses.append(one)
         extended = Mission.from_data(one.extended, file=base.file)
         if progress is not None:
-            progress(len(found), len(folders))
-    provenance = Run("diagnose", base, 0, found[0].provenance.seed, started=started).provenance(
+            progress(len(diagnoses), len(folders))
+    provenance = Run("diagnose", base, 0, diagnoses[0].provenance.seed, started=started).provenance(
         {
             "datasets": [str(folder) for folder in folders],
             "jobs": jobs,
@@ -102,9 +102,9 @@ def diagnose_campaign(
             "next_trial": next_trial,
         },
         datasets=folders,
-        notices=tuple(dict.fromkeys(notice for each in found for notice in each.provenance.notices)),
+        notices=tuple(dict.fromkeys(notice for diagnosis in diagnoses for notice in diagnosis.provenance.notices)),
     )
-    return Campaign(provenance, tuple(found))
+    return Campaign(provenance, tuple(diagnoses))
 
 
 def _place(folder: Path, mission: Mission) -> tuple[int, float, str, str]:

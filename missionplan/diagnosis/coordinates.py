@@ -63,20 +63,20 @@ def coordinates_of(info: EffectInfo, names: Iterable[str] | None = None) -> tupl
         wanted = list(names)
     phases = {phase for _, phase in info.polar}
     amplitudes = {amplitude for amplitude, _ in info.polar}
-    found: list[Coordinate] = []
+    coordinates: list[Coordinate] = []
     for name in wanted:
         parameter = info.parameters[name]
         if name in phases:
             continue
         if name in amplitudes:
-            found.append(Coordinate(info.id, name, "cosine", 0.0, parameter.scale, parameter.spike))
-            found.append(Coordinate(info.id, name, "sine", 0.0, parameter.scale, parameter.spike))
+            coordinates.append(Coordinate(info.id, name, "cosine", 0.0, parameter.scale, parameter.spike))
+            coordinates.append(Coordinate(info.id, name, "sine", 0.0, parameter.scale, parameter.spike))
         elif parameter.is_shape:
             centre, slab = math.log(parameter.median), math.log(parameter.factor)
-            found.append(Coordinate(info.id, name, "shape", centre, slab, 0.0))
+            coordinates.append(Coordinate(info.id, name, "shape", centre, slab, 0.0))
         else:
-            found.append(Coordinate(info.id, name, "strength", 0.0, parameter.scale, parameter.spike))
-    return tuple(found)
+            coordinates.append(Coordinate(info.id, name, "strength", 0.0, parameter.scale, parameter.spike))
+    return tuple(coordinates)
 
 
 def parameters_from(
@@ -117,28 +117,28 @@ def estimates(coordinates: Sequence[Coordinate], mean: Array, covariance: Array)
     `coordinates`: the fitted ones. `mean`, shape (k,): posterior mean. `covariance`, shape (k, k): posterior
     covariance.
     """
-    found: list[ParameterEstimate] = []
+    parameters: list[ParameterEstimate] = []
     for index, coordinate in enumerate(coordinates):
         value, variance = float(mean[index]), float(covariance[index, index])
         sd = math.sqrt(max(variance, 0.0))
         if coordinate.kind == "strength":
-            found.append(_estimate(coordinate, coordinate.name, value, sd))
+            parameters.append(_estimate(coordinate, coordinate.name, value, sd))
         elif coordinate.kind == "shape":
             low, size, high = np.exp(np.minimum(value + ndtri([LOWER, 0.5, UPPER]) * sd, LARGEST)).tolist()
             unit = CATALOGUE[coordinate.effect].parameters[coordinate.name].unit
-            found.append(ParameterEstimate(coordinate.effect, coordinate.name, size, size * sd, low, high, unit))
+            parameters.append(ParameterEstimate(coordinate.effect, coordinate.name, size, size * sd, low, high, unit))
         elif coordinate.kind == "sine":
             both = slice(index - 1, index + 1)
-            pair, own = mean[both], covariance[both, both]
+            pair, block = mean[both], covariance[both, both]
             size, phase = float(np.hypot(*pair)), float(np.arctan2(pair[1], pair[0]))
             along = pair / max(size, 1e-12)
             radial, across = (
-                math.sqrt(max(float(way @ own @ way), 0.0)) for way in (along, np.array([-along[1], along[0]]))
+                math.sqrt(max(float(way @ block @ way), 0.0)) for way in (along, np.array([-along[1], along[0]]))
             )
-            found.append(_estimate(coordinate, coordinate.name, size, radial))
+            parameters.append(_estimate(coordinate, coordinate.name, size, radial))
             sd_phase = min(across / max(size, 1e-12), math.pi / math.sqrt(3))
-            found.append(_estimate(coordinate, _phase_of(coordinate), phase, sd_phase))
-    return tuple(found)
+            parameters.append(_estimate(coordinate, _phase_of(coordinate), phase, sd_phase))
+    return tuple(parameters)
 
 
 @dataclass(frozen=True)
@@ -159,8 +159,8 @@ class JointPosterior:
     def without(self, effects: Collection[str]) -> "JointPosterior":
         """Return it without the coordinates of some effects."""
         kept = [index for index, coordinate in enumerate(self.coordinates) if coordinate.effect not in effects]
-        own = tuple(self.coordinates[index] for index in kept)
-        return JointPosterior(own, self.mean[kept], self.covariance[np.ix_(kept, kept)])
+        coordinates = tuple(self.coordinates[index] for index in kept)
+        return JointPosterior(coordinates, self.mean[kept], self.covariance[np.ix_(kept, kept)])
 
     def scaled(self, scale: float) -> "JointPosterior":
         """Return it with the sizes of random errors scaled."""
@@ -175,20 +175,20 @@ class JointPosterior:
         normals = even_normals(count, len(self.mean), generator)
         values, vectors = np.linalg.eigh(self.covariance)
         at = self.mean + (normals * np.sqrt(np.maximum(values, 0.0))) @ vectors.T
-        found = {
+        draws = {
             (effect, name): np.asarray(drawn)
             for effect, named in parameters_from(self.coordinates, at.T).items()
             for name, drawn in named.items()
         }
         kept = np.ones(count, dtype=bool)
-        for column in found:
+        for column in draws:
             (effect, name), (low, high) = column, _range(column)
             if effect and not CATALOGUE[effect].parameters[name].is_shape:
-                kept &= (found[column] >= low) & (found[column] <= high)
+                kept &= (draws[column] >= low) & (draws[column] <= high)
         places = np.arange(count)
         if kept.any():
             places[~kept] = np.resize(np.flatnonzero(kept), np.count_nonzero(~kept))
-        return {column: np.clip(values[places], *_range(column)) for column, values in found.items()}
+        return {column: np.clip(values[places], *_range(column)) for column, values in draws.items()}
 
 
 def even_normals(count: int, size: int, generator: np.random.Generator) -> Array:
@@ -227,12 +227,12 @@ def is_approximate(cause: str) -> bool:
     return any(parameter.is_shape for parameter in info.parameters.values()) and not info.follows_law
 
 
-def is_possible(found: Iterable[ParameterEstimate]) -> bool:
+def is_possible(estimates: Iterable[ParameterEstimate]) -> bool:
     """Whether every strength lies in its physical range, and every shape's 90 % interval overlaps it.
 
     A strength of the wrong sign is not the effect.
     """
-    for estimate in found:
+    for estimate in estimates:
         parameter = CATALOGUE[estimate.effect].parameters[estimate.name]
         if parameter.is_shape:
             if estimate.high < parameter.low or estimate.low > parameter.high:

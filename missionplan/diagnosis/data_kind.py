@@ -105,7 +105,7 @@ class DataKind(ABC):
     @property
     def known(self) -> tuple[ParameterEstimate, ...]:
         """What the mission knows of them."""
-        return tuple(estimate for each in self.given for estimate in each.prior)
+        return tuple(estimate for prior in self.given for estimate in prior.prior)
 
     @classmethod
     @abstractmethod
@@ -164,7 +164,7 @@ class DataKind(ABC):
         """Whether a fit to the first part of the record predicts the rest all the way better than the base model."""
         return True
 
-    def suspect_labels(self, found: Selection) -> str:
+    def suspect_labels(self, selection: Selection) -> str:
         """Say which labels of the record are likely to be wrong; else empty."""
         return ""
 
@@ -206,5 +206,5 @@ def bind_dataset(folder: Path, mission: Mission, seed: int) -> DataKind:
 
     Raises InputError when there is no such kind; all problems of the data set, or all that the mission lacks.
     """
-    given = dataset_kind(folder, KINDS)
-    return kind_named(given).bind(given, folder, mission, seed)
+    kind = dataset_kind(folder, KINDS)
+    return kind_named(kind).bind(kind, folder, mission, seed)

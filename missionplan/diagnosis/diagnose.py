@@ -115,36 +115,41 @@ def _diagnose(
     bound = explanations[0].bound
     stage()
     is_new = not bound.is_known
-    found = run_pipeline(bound.model, lambda *_: stage(), jobs, search=is_new, selection=selection)
-    found = as_reported(bound, found, jobs)
+    pipeline_result = run_pipeline(bound.model, lambda *_: stage(), jobs, search=is_new, selection=selection)
+    pipeline_result = as_reported(bound, pipeline_result, jobs)
     if not is_new:  # the mission's own effects are as they were known before
-        base = replace(found.selection.base, given=bound.known)
-        found = replace(found, selection=replace(found.selection, base=base), best=base)
-    judgement = judge(bound, found)
+        base = replace(pipeline_result.selection.base, given=bound.known)
+        pipeline_result = replace(pipeline_result, selection=replace(pipeline_result.selection, base=base), best=base)
+    judgement = judge(bound, pipeline_result)
     scale = judgement.coverage.scale if judgement.coverage is not None else 1.0
-    explanations = with_found(explanations, found, jobs)
-    believed = hypotheses(explanations, found, scale) if is_new else ()
+    explanations = with_found(explanations, pipeline_result, jobs)
+    believed = hypotheses(explanations, pipeline_result, scale) if is_new else ()
     extended = extended_mission(believed, bound.data.identities) if is_new else dict(mission.raw)
     stage()
-    separated = _separated(bound, found, judgement, jobs)
+    separated = _separated(bound, pipeline_result, judgement, jobs)
     stage()
     decision = bound.plan_gain(mission, extended, seed=seed, jobs=jobs) if asked.plan and is_new else PlanGain()
     trial, untold = None, tuple[str, ...]()
     if asked.next_trial and is_new:
         from missionplan.diagnosis.next_trial import next_trial  # models of legs and dives, for it alone
 
-        trial = next_trial(explanations, found, scale, seed)
+        trial = next_trial(explanations, pipeline_result, scale, seed)
         if trial.trial is not None:  # its mission names the draws that the extended one does: both lie beside them
-            known: dict[str, object] = {key: extended[key] for key in ("posterior", "learned_from") if key in extended}
-            trial = replace(trial, trial={**trial.trial, **known})
+            common: dict[str, object] = {key: extended[key] for key in ("posterior", "learned_from") if key in extended}
+            trial = replace(trial, trial={**trial.trial, **common})
     elif asked.next_trial:
         untold = (NO_TRIAL,)
     provenance = Run("diagnose", mission, 0, seed, started=started).provenance(
         {"dataset": str(dataset), "jobs": jobs, **asdict(asked)},
         datasets=[dataset],
-        notices=(*mission.notices(), *bound.data.notices, *forecast_notice(mission, found.best.causes), *untold),
+        notices=(
+            *mission.notices(),
+            *bound.data.notices,
+            *forecast_notice(mission, pipeline_result.best.causes),
+            *untold,
+        ),
     )
-    result = _result(provenance, bound, found, judgement, separated, decision, extended)
+    result = _result(provenance, bound, pipeline_result, judgement, separated, decision, extended)
     last = None
     if asked.holdout is not None:
         from missionplan.diagnosis.scoring.holdout import score_last_part  # models of legs and dives, for it alone
@@ -163,50 +168,54 @@ def _levels(learned: Mission, seed: int, *, urgency: bool) -> tuple[ParameterLev
     return with_urgency(levels, learned, seed) if urgency else levels
 
 
-def _separated(bound: DataKind, found: PipelineResult, judgement: Judgement, jobs: int) -> tuple[Discrimination, ...]:
+def _separated(
+    bound: DataKind, pipeline_result: PipelineResult, judgement: Judgement, jobs: int
+) -> tuple[Discrimination, ...]:
     """Next measurements that separate the first rivals from the claimed set."""
-    fits = {candidate.causes: candidate.fit for candidate in found.selection.ranking}
+    fits = {candidate.causes: candidate.fit for candidate in pipeline_result.selection.ranking}
     rivals = [fits[causes] for causes in judgement.rivals if causes in fits][:SEPARATED]
-    return discriminations(bound.model, found.best, rivals, bound.direct_measurements, jobs)
+    return discriminations(bound.model, pipeline_result.best, rivals, bound.direct_measurements, jobs)
 
 
 def _result(
     provenance: Provenance,
     bound: DataKind,
-    found: PipelineResult,
+    pipeline_result: PipelineResult,
     judgement: Judgement,
     separated: tuple[Discrimination, ...],
     decision: PlanGain,
     extended: dict[str, object],
 ) -> Diagnosis:
-    residuals = bound.residual_table(found.selection.base, found.best)
-    listed = found.selection.ranking[:LISTED]
-    shares = bound.shares_explained(found.selection.base, [candidate.fit for candidate in listed], residuals)
+    residuals = bound.residual_table(pipeline_result.selection.base, pipeline_result.best)
+    listed = pipeline_result.selection.ranking[:LISTED]
+    shares = bound.shares_explained(pipeline_result.selection.base, [candidate.fit for candidate in listed], residuals)
     return Diagnosis(
         **vars(judgement),
         provenance=provenance,
         kind=bound.kind,
         data=bound.data.name,
         source=bound.data.source,
-        causes=found.best.causes,
+        causes=pipeline_result.best.causes,
         known=bound.known,
-        confirmed=found.best.given,
+        confirmed=pipeline_result.best.given,
         misfit=bound.misfit(residuals),
-        ranking=tuple(_ranked(found, candidate, share) for candidate, share in zip(listed, shares, strict=True)),
-        discrepancy=found.discrepancy,
-        base_discrepancy=found.base_discrepancy,
-        scores=group_scores(found),
-        outlying_groups=found.outlying_groups,
-        indistinguishable=tuple(each.measurement.separates for each in separated if each.indistinguishable),
-        next_measurements=tuple(each.measurement for each in separated),
+        ranking=tuple(
+            _ranked(pipeline_result, candidate, share) for candidate, share in zip(listed, shares, strict=True)
+        ),
+        discrepancy=pipeline_result.discrepancy,
+        base_discrepancy=pipeline_result.base_discrepancy,
+        scores=group_scores(pipeline_result),
+        outlying_groups=pipeline_result.outlying_groups,
+        indistinguishable=tuple(pair.measurement.separates for pair in separated if pair.indistinguishable),
+        next_measurements=tuple(pair.measurement for pair in separated),
         decision=decision,
-        calibration=bound.calibration(found.best),
+        calibration=bound.calibration(pipeline_result.best),
         untestable=bound.model.untestable,
-        failures={"+".join(failure.causes): failure.reason for failure in found.selection.failed},
+        failures={"+".join(failure.causes): failure.reason for failure in pipeline_result.selection.failed},
         residuals=residuals,
         extended=extended,
         learned_from=() if bound.is_known else bound.data.identities,
-        readings=read(bound, found),
+        readings=read(bound, pipeline_result),
     )
 
 
@@ -221,18 +230,20 @@ LISTED = 12
 """Sets of the ranking that are reported."""
 
 
-def as_reported(bound: DataKind, found: PipelineResult, jobs: int = 1) -> PipelineResult:
+def as_reported(bound: DataKind, pipeline_result: PipelineResult, jobs: int = 1) -> PipelineResult:
     """Return what was found with the estimates of the base model and of the sets listed as they are reported."""
-    ranking = found.selection.ranking
+    ranking = pipeline_result.selection.ranking
     base, *reported = parallel_map(
-        partial(_reported_fits, bound), [found.selection.base, *(each.fit for each in ranking[:LISTED])], jobs=jobs
+        partial(_reported_fits, bound),
+        [pipeline_result.selection.base, *(candidate.fit for candidate in ranking[:LISTED])],
+        jobs=jobs,
     )
-    listed = tuple(replace(each, fit=fit) for each, fit in zip(ranking, reported, strict=False))
-    fits = {each.causes: each.fit for each in (*listed, *ranking[LISTED:])}
+    listed = tuple(replace(candidate, fit=fit) for candidate, fit in zip(ranking, reported, strict=False))
+    fits = {candidate.causes: candidate.fit for candidate in (*listed, *ranking[LISTED:])}
     return replace(
-        found,
-        selection=replace(found.selection, base=base, ranking=listed + ranking[LISTED:]),
-        best=fits.get(found.best.causes, base),
+        pipeline_result,
+        selection=replace(pipeline_result.selection, base=base, ranking=listed + ranking[LISTED:]),
+        best=fits.get(pipeline_result.best.causes, base),
     )
 
 
@@ -240,23 +251,23 @@ def _reported_fits(bound: DataKind, fits: Sequence[CauseFit]) -> list[CauseFit]:
     return [bound.as_reported(fit) for fit in fits]
 
 
-def _ranked(found: PipelineResult, candidate: Candidate, share: float) -> RankedSet:
-    held_out = found.held_out.get(candidate.causes)
+def _ranked(pipeline_result: PipelineResult, candidate: Candidate, share: float) -> RankedSet:
+    held_out = pipeline_result.held_out.get(candidate.causes)
     return RankedSet(
         candidate.causes,
         candidate.log_bayes_factor,
         candidate.score,
-        found.posterior.get(candidate.causes),
+        pipeline_result.posterior.get(candidate.causes),
         candidate.fit.estimates,
         held_out.gain if held_out else None,
         share,
     )
 
 
-def group_scores(found: PipelineResult) -> tuple[GroupScore, ...]:
+def group_scores(pipeline_result: PipelineResult) -> tuple[GroupScore, ...]:
     """Return the held-out scores of the best set, group by group; none where it was not held out."""
-    ranking = found.selection.ranking
-    held_out = found.held_out.get(ranking[0].causes) if ranking else None
+    ranking = pipeline_result.selection.ranking
+    held_out = pipeline_result.held_out.get(ranking[0].causes) if ranking else None
     if held_out is None:
         return ()
     return tuple(

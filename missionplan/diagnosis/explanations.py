@@ -74,12 +74,12 @@ def explained_missions(mission: Mission) -> tuple[Explained, ...]:
     if not mission.doubts:
         return (Explained(1.0, (), mission),)
     combinations = product(*(_likely(doubt.probabilities) for doubt in mission.doubts))
-    found = sorted(
+    likeliest = sorted(
         (math.prod(doubt.probabilities[n] for doubt, n in zip(mission.doubts, numbers, strict=True)), numbers)
         for numbers in combinations
     )[-MOST:][::-1]
-    total = sum(prior for prior, _ in found)
-    return tuple(Explained(prior / total, *_known(mission, numbers)) for prior, numbers in found)
+    total = sum(prior for prior, _ in likeliest)
+    return tuple(Explained(prior / total, *_known(mission, numbers)) for prior, numbers in likeliest)
 
 
 def _likely(probabilities: Sequence[float]) -> list[int]:
@@ -111,22 +111,24 @@ def weighed(
     RunError
         When no explanation's base model can be fitted.
     """
-    each = explained_missions(mission)
-    bound = [bind_dataset(dataset, explained.mission, seed) for explained in each]
+    missions = explained_missions(mission)
+    bound = [bind_dataset(dataset, explained.mission, seed) for explained in missions]
     bound = bound if part is None else [part(one) for one in bound]
     here = [{entry.effect for entry in one.mission.effects} for one in bound]  # without what is of another place
-    each = tuple(replace(e, causes=tuple(c for c in e.causes if c in own)) for e, own in zip(each, here, strict=True))
-    if len(each) == 1 or bound[0].is_known:
-        return tuple(Weighed(one, data, None, math.log(one.prior)) for one, data in zip(each, bound, strict=True))
+    missions = tuple(
+        replace(e, causes=tuple(c for c in e.causes if c in effects)) for e, effects in zip(missions, here, strict=True)
+    )
+    if len(missions) == 1 or bound[0].is_known:
+        return tuple(Weighed(one, data, None, math.log(one.prior)) for one, data in zip(missions, bound, strict=True))
     fits = [fitted(one.model, [((), ())], jobs)[0] for one in bound]
-    found = [
+    explanations = [
         Weighed(explained, one, fit, math.log(explained.prior) + fit.log_evidence)
-        for explained, one, fit in zip(each, bound, fits, strict=True)
+        for explained, one, fit in zip(missions, bound, fits, strict=True)
         if isinstance(fit, CauseFit)
     ]
-    if not any(math.isfinite(one.log_weight) for one in found):
+    if not any(math.isfinite(one.log_weight) for one in explanations):
         raise RunError("the base model cannot be fitted with any of the mission's explanations")
-    return tuple(sorted(found, key=lambda one: -one.log_weight))
+    return tuple(sorted(explanations, key=lambda one: -one.log_weight))
 
 
 def weighed_with_causes(explanations: Sequence[Weighed], jobs: int) -> tuple[tuple[Weighed, ...], Selection | None]:
@@ -149,39 +151,39 @@ def weighed_with_causes(explanations: Sequence[Weighed], jobs: int) -> tuple[tup
         return tuple(explanations), None
     selections = {id(one): one.bound.model.all_sets(jobs=jobs) for one in (first, *unlike)}
     gain = log_gain(selections[id(first)])
-    each = [replace(one, gain=gain) for one in explanations]
+    with_gains = [replace(one, gain=gain) for one in explanations]
     for place, one in enumerate(explanations):
         selection = selections.get(id(one))
         if selection is not None and one is not first:  # it has the likeliest causes that were found beside it
             likeliest = max(selection.posterior, key=selection.posterior.__getitem__)
             fit = next((candidate.fit for candidate in selection.ranking if candidate.causes == likeliest), None)
-            each[place] = replace(one, extended=fit, gain=log_gain(selection))
-    best = max(range(len(each)), key=lambda place: each[place].log_weight + each[place].gain)
-    return (each[best], *each[:best], *each[best + 1 :]), selections.get(id(explanations[best]))
+            with_gains[place] = replace(one, extended=fit, gain=log_gain(selection))
+    best = max(range(len(with_gains)), key=lambda place: with_gains[place].log_weight + with_gains[place].gain)
+    return (with_gains[best], *with_gains[:best], *with_gains[best + 1 :]), selections.get(id(explanations[best]))
 
 
-def with_found(explanations: Sequence[Weighed], found: PipelineResult, jobs: int) -> tuple[Weighed, ...]:
+def with_found(explanations: Sequence[Weighed], pipeline_result: PipelineResult, jobs: int) -> tuple[Weighed, ...]:
     """Fit the causes claimed beside the likeliest explanation beside each other one too.
 
     Else what the explanations say nothing about, as legs of a doubt that dives left, would decide for the likeliest.
     """
-    if not found.best.causes:
+    if not pipeline_result.best.causes:
         return tuple(explanations)
     first, others = explanations[0], explanations[1:]
-    gain, own = log_gain(found.selection), _added(first, found.best.causes, jobs)
-    if not others or own is None:
+    gain, added = log_gain(pipeline_result.selection), _added(first, pipeline_result.best.causes, jobs)
+    if not others or added is None:
         return (replace(first, gain=gain), *others)
-    first = replace(first, gain=gain, extended=own[0])  # fitted as beside the others: what they share is told once
-    return (first, *(_with_causes(one, found.best.causes, gain - own[1], jobs) for one in others))
+    first = replace(first, gain=gain, extended=added[0])  # fitted as beside the others: what they share is told once
+    return (first, *(_with_causes(one, pipeline_result.best.causes, gain - added[1], jobs) for one in others))
 
 
 def _with_causes(one: Weighed, causes: Causes, odds: float, jobs: int) -> Weighed:
     """Add causes, of which those without an explanation have log odds in prior and checks, to an explanation."""
     added = _added(one, causes, jobs)
-    own = one.gain if one.extended is not None else 0.0
-    if added is not None and odds + added[1] > own:
+    gain = one.gain if one.extended is not None else 0.0
+    if added is not None and odds + added[1] > gain:
         return replace(one, extended=added[0], gain=odds + added[1])
-    return replace(one, gain=own)
+    return replace(one, gain=gain)
 
 
 def _added(one: Weighed, causes: Causes, jobs: int) -> tuple[CauseFit, float] | None:
@@ -206,21 +208,23 @@ def log_gain(selection: Selection) -> float:
     return best.log_bayes_factor + prior - math.log(selection.posterior[best.causes])
 
 
-def hypotheses(explanations: Sequence[Weighed], found: PipelineResult, scale: float) -> tuple[Hypothesis, ...]:
+def hypotheses(
+    explanations: Sequence[Weighed], pipeline_result: PipelineResult, scale: float
+) -> tuple[Hypothesis, ...]:
     """Return what may hold after a diagnosis, the likeliest first.
 
     These are the sets of causes found beside the likeliest explanation, and the other explanations as they are.
 
     `explanations` are as `with_found` returns them; `scale` is of the random errors, see `DataKind.carried`.
     """
-    listed = possible_fits(explanations, found)
+    listed = possible_fits(explanations, pipeline_result)
     total = sum(weight for *_, weight in listed)
     return tuple(
         Hypothesis(
             (*one.explained.causes, *fit.causes),
             float(weight / total),
             one.bound.mission,
-            tuple(each.effect for each in one.bound.given),
+            tuple(prior.effect for prior in one.bound.given),
             one.bound.carried(fit, scale),
             one.bound.extended_mission(one.bound.carried(fit, scale)),
             one.bound.places,
@@ -230,18 +234,22 @@ def hypotheses(explanations: Sequence[Weighed], found: PipelineResult, scale: fl
     )
 
 
-def possible_fits(explanations: Sequence[Weighed], found: PipelineResult) -> list[tuple[Weighed, CauseFit, float]]:
+def possible_fits(
+    explanations: Sequence[Weighed], pipeline_result: PipelineResult
+) -> list[tuple[Weighed, CauseFit, float]]:
     """Return the fits that may hold with their weights, the likeliest first: as `hypotheses`."""
     first, others = explanations[0], explanations[1:]
-    fits = {candidate.causes: candidate.fit for candidate in found.selection.ranking} | {(): found.selection.base}
-    shares = _stationary({causes: share for causes, share in found.posterior.items() if causes in fits}, fits)
+    fits = {candidate.causes: candidate.fit for candidate in pipeline_result.selection.ranking} | {
+        (): pipeline_result.selection.base
+    }
+    shares = _stationary({causes: share for causes, share in pipeline_result.posterior.items() if causes in fits}, fits)
     total = sum(shares.values())
     masses = explanation_weights(explanations)
     if first.extended is not None:
         fits[first.extended.causes] = first.extended
     listed = [(first, fits[causes], float(masses[0]) * share / total) for causes, share in shares.items()]
     listed += [(one, one.fit, float(mass)) for one, mass in zip(others, masses[1:], strict=True) if one.fit is not None]
-    return sorted(listed, key=lambda each: -each[2])
+    return sorted(listed, key=lambda row: -row[2])
 
 
 def explanation_weights(explanations: Sequence[Weighed]) -> Array:
@@ -258,13 +266,13 @@ def _stationary(shares: Mapping[Causes, float], fits: Collection[Causes]) -> dic
     """
     laws = {name for group in exclusive_groups("transit") for name in group if _process(name) is not None}
     walks = {name for name in laws if not np.any(_process(name))}
-    found: dict[Causes, float] = {}
+    sums: dict[Causes, float] = {}
     for causes, share in shares.items():
         plain = set(causes) - walks
         others = [fit for fit in fits if set(fit) - (laws - walks) == plain and set(fit) & (laws - walks)]
-        own = others[0] if set(causes) & walks and others else causes
-        found[own] = found.get(own, 0.0) + share
-    return found
+        target = others[0] if set(causes) & walks and others else causes
+        sums[target] = sums.get(target, 0.0) + share
+    return sums
 
 
 def _process(name: str) -> float | None:
@@ -274,7 +282,7 @@ def _process(name: str) -> float | None:
     return float(np.max(usual.first_variance)) if isinstance(usual, MarkovProcess) else None
 
 
-def odds(explanations: Sequence[Weighed], found: Sequence[Hypothesis]) -> tuple[ExplanationOdds, ...]:
+def odds(explanations: Sequence[Weighed], hypotheses: Sequence[Hypothesis]) -> tuple[ExplanationOdds, ...]:
     """Return what is in doubt after a diagnosis, the likeliest first: the mission's explanations, else what was found.
 
     Sets that differ in a statistical description alone are told as one. Empty where one holds 95 % of the probability.
@@ -283,11 +291,11 @@ def odds(explanations: Sequence[Weighed], found: Sequence[Hypothesis]) -> tuple[
         weights = explanation_weights(explanations)
         shares = zip(explanations, (weights / weights.sum()).tolist(), strict=True)
         return _merged([(one.explained.causes, one.explained.prior, share) for one, share in shares])
-    told = _merged([(each.causes, None, each.probability) for each in found])
-    before = np.cumsum([0.0, *(each.probability for each in told)])
-    credible = told[: int(np.count_nonzero(before[:-1] < CREDIBLE))]
-    total = sum(each.probability for each in credible)
-    again = tuple(replace(each, probability=each.probability / total) for each in credible)
+    rows = _merged([(hypothesis.causes, None, hypothesis.probability) for hypothesis in hypotheses])
+    before = np.cumsum([0.0, *(row.probability for row in rows)])
+    credible = rows[: int(np.count_nonzero(before[:-1] < CREDIBLE))]
+    total = sum(row.probability for row in credible)
+    again = tuple(replace(row, probability=row.probability / total) for row in credible)
     return again if len(again) > 1 else ()
 
 
@@ -297,8 +305,8 @@ def _merged(listed: Sequence[tuple[Causes, float | None, float]]) -> tuple[Expla
     sums: dict[Causes, list[float]] = {}
     for causes, prior, share in listed:
         physical = tuple(name for name in causes if CATALOGUE[name].part != "covariance")
-        own = sums.setdefault(physical if physical in plain else causes, [0.0, 0.0])
-        own[0], own[1] = own[0] + (prior or 0.0), own[1] + share
-    known = any(prior is not None for _, prior, _ in listed)
-    told = [ExplanationOdds(causes, prior if known else None, share) for causes, (prior, share) in sums.items()]
-    return tuple(sorted(told, key=lambda each: -each.probability))
+        pair = sums.setdefault(physical if physical in plain else causes, [0.0, 0.0])
+        pair[0], pair[1] = pair[0] + (prior or 0.0), pair[1] + share
+    has_priors = any(prior is not None for _, prior, _ in listed)
+    rows = [ExplanationOdds(causes, prior if has_priors else None, share) for causes, (prior, share) in sums.items()]
+    return tuple(sorted(rows, key=lambda row: -row.probability))

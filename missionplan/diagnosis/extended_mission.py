@@ -54,63 +54,66 @@ class Hypothesis:
     """Likewise `DataKind.date`."""
 
 
-def seen_after(found: Sequence[Hypothesis], record: str) -> tuple[Seen, ...]:
+def seen_after(hypotheses: Sequence[Hypothesis], record: str) -> tuple[Seen, ...]:
     """Return what all records have told of levels, this one too.
 
     Of a level on which hypotheses differ, what the likeliest has that knows of it, of those that hold `CREDIBLE` of the
     probability or add to one of these: one without what the record shows takes its like for it.
 
-    `found` has the likeliest first; `record` is the hash of this one.
+    `hypotheses` has the likeliest first; `record` is the hash of this one.
     """
-    known: dict[LevelKey, tuple[Seen, ...]] = {}
-    before = np.cumsum([0.0, *(each.probability for each in found[:-1])])
-    credible = [frozenset(each.causes) for each in found[: int(np.count_nonzero(before < CREDIBLE))]]
-    for each in (one for one in found if any(own <= {*one.causes} for own in credible)):
-        for key, seen in _seen_under(each, record).items():
-            known.setdefault(key, seen)
-    return tuple(row for rows in known.values() for row in rows)
+    levels: dict[LevelKey, tuple[Seen, ...]] = {}
+    before = np.cumsum([0.0, *(hypothesis.probability for hypothesis in hypotheses[:-1])])
+    credible = [frozenset(hypothesis.causes) for hypothesis in hypotheses[: int(np.count_nonzero(before < CREDIBLE))]]
+    for hypothesis in (one for one in hypotheses if any(causes <= {*one.causes} for causes in credible)):
+        for key, seen in _seen_under(hypothesis, record).items():
+            levels.setdefault(key, seen)
+    return tuple(row for rows in levels.values() for row in rows)
 
 
-def _seen_under(each: Hypothesis, record: str) -> dict[LevelKey, tuple[Seen, ...]]:
+def _seen_under(hypothesis: Hypothesis, record: str) -> dict[LevelKey, tuple[Seen, ...]]:
     """What records have told under one hypothesis, by level."""
     rows: dict[LevelKey, list[Seen]] = {}
-    for row in each.before.posterior.seen if each.before.posterior is not None else ():
+    for row in hypothesis.before.posterior.seen if hypothesis.before.posterior is not None else ():
         rows.setdefault(row.of, []).append(row)
-    stated = {entry.effect for entry in each.before.effects if not is_learned(entry)}
-    for coordinate, told in _told(each, record):
+    stated = {entry.effect for entry in hypothesis.before.effects if not is_learned(entry)}
+    for coordinate, seen in _told(hypothesis, record):
         before = rows.setdefault(coordinate.key, [])
-        if not before and coordinate.effect in stated and coordinate.effect not in each.fit.causes:
-            mean, variance = _before(each)[coordinate.key]
+        if not before and coordinate.effect in stated and coordinate.effect not in hypothesis.fit.causes:
+            mean, variance = _before(hypothesis)[coordinate.key]
             before.append(Seen(coordinate.key, "", math.nan, mean, math.sqrt(variance)))
-        before.append(told)
-    effects = {entry.effect for entry in each.before.effects} | set(each.fit.causes)
-    return {key: tuple(own) for key, own in rows.items() if key[0] in effects}
+        before.append(seen)
+    effects = {entry.effect for entry in hypothesis.before.effects} | set(hypothesis.fit.causes)
+    return {key: tuple(level_rows) for key, level_rows in rows.items() if key[0] in effects}
 
 
-def _told(each: Hypothesis, record: str) -> Iterator[tuple[Coordinate, Seen]]:
+def _told(hypothesis: Hypothesis, record: str) -> Iterator[tuple[Coordinate, Seen]]:
     """Each level of which the record tells, with what it tells of it: the normal law that took the prior there."""
-    posterior = each.fit.posterior
+    posterior = hypothesis.fit.posterior
     if posterior is None:
         return
-    known = _before(each)
+    priors = _before(hypothesis)
     for index, coordinate in enumerate(posterior.coordinates):
         if not has_level(coordinate.key):
             continue
-        mean, variance = known.get(coordinate.key, (0.0, coordinate.slab**2))
+        mean, variance = priors.get(coordinate.key, (0.0, coordinate.slab**2))
         after, spread = float(posterior.mean[index]), float(posterior.covariance[index, index])
         if not 0.0 < spread < (1.0 - TELLS) * variance:
             continue
-        own = 1.0 / (1.0 / spread - 1.0 / variance)
-        yield coordinate, Seen(coordinate.key, record, each.date, own * (after / spread - mean / variance), own**0.5)
+        noise = 1.0 / (1.0 / spread - 1.0 / variance)
+        yield (
+            coordinate,
+            Seen(coordinate.key, record, hypothesis.date, noise * (after / spread - mean / variance), noise**0.5),
+        )
 
 
-def _before(each: Hypothesis) -> Mapping[LevelKey, tuple[float, float]]:
+def _before(hypothesis: Hypothesis) -> Mapping[LevelKey, tuple[float, float]]:
     """Mean and variance that the mission knew of its own effects which are as it knew them."""
-    wanted = [CATALOGUE[name] for name in each.shown if name not in each.fit.causes]
+    wanted = [CATALOGUE[name] for name in hypothesis.shown if name not in hypothesis.fit.causes]
     return {
         coordinate.key: (float(mean), float(variance))
-        for given in given_priors(each.before, wanted)
-        for coordinate, mean, variance in zip(given.coordinates, given.mean, given.covariance.diagonal(), strict=True)
+        for prior in given_priors(hypothesis.before, wanted)
+        for coordinate, mean, variance in zip(prior.coordinates, prior.mean, prior.covariance.diagonal(), strict=True)
     }
 
 
@@ -147,19 +150,21 @@ def having_learned(extended: Mapping[str, object], identities: Sequence[str]) ->
     return {**extended, **({"learned_from": list(learned)[-MOST_LEARNED:]} if learned else {})}
 
 
-def extended_mission(found: Sequence[Hypothesis], identities: Sequence[str] = ()) -> dict[str, object]:
+def extended_mission(hypotheses: Sequence[Hypothesis], identities: Sequence[str] = ()) -> dict[str, object]:
     """Write hypotheses into one mission, as weighted draws.
 
     Everything but the effects and the noise is that of the likeliest. Hypotheses that differ in the vehicle's own keys,
     as tank data change them, cannot be written together: the likeliest is written alone.
 
-    `found` has the likeliest first; `identities` are hashes of the data.
+    `hypotheses` has the likeliest first; `identities` are hashes of the data.
     """
-    mission = having_learned(copy.deepcopy(dict(found[0].data)), identities)
-    if any(each.data.get("vehicle") != mission.get("vehicle") for each in found):
-        found = found[:1]
-    draws = _draws([each for each in found if each.probability >= LEAST * found[0].probability])
-    _forget(mission, set(draws.effects) | {name for each in found for name in each.shown})
+    mission = having_learned(copy.deepcopy(dict(hypotheses[0].data)), identities)
+    if any(hypothesis.data.get("vehicle") != mission.get("vehicle") for hypothesis in hypotheses):
+        hypotheses = hypotheses[:1]
+    draws = _draws(
+        [hypothesis for hypothesis in hypotheses if hypothesis.probability >= LEAST * hypotheses[0].probability]
+    )
+    _forget(mission, set(draws.effects) | {name for hypothesis in hypotheses for name in hypothesis.shown})
     mission.pop(POSTERIOR, None)
     if SIGMA in draws.columns:
         logs, weights = np.log(draws.values[:, draws.columns.index(SIGMA)]), draws.weights
@@ -174,8 +179,8 @@ def extended_mission(found: Sequence[Hypothesis], identities: Sequence[str] = ()
             hash_of(mission.get("learned_from")),
             summary,
             epoch,
-            found[0].places,
-            seen_after(found, hash_of(identities)),
+            hypotheses[0].places,
+            seen_after(hypotheses, hash_of(identities)),
         )
     return mission
 
@@ -194,60 +199,62 @@ def _forget(mission: dict[str, object], effects: Collection[str]) -> None:
 
 def _items(mission: Mapping[str, object], key: str) -> list[Any]:
     """Items of a list of a mission that has been read."""
-    given = mission.get(key)
-    return list(given) if isinstance(given, list) else []
+    value = mission.get(key)
+    return list(value) if isinstance(value, list) else []
 
 
-def _draws(found: Sequence[Hypothesis]) -> WeightedDraws:
+def _draws(hypotheses: Sequence[Hypothesis]) -> WeightedDraws:
     """Draw each hypothesis as often as it is likely; those with the same effects are one set."""
-    total = sum(each.probability for each in found)
+    total = sum(hypothesis.probability for hypothesis in hypotheses)
     sets: dict[Causes, list[tuple[dict[Column, Array], Array]]] = {}
-    for number, each in enumerate(found):
-        count = max(FEWEST, round(DRAWS * each.probability / total))
-        drawn = _drawn(each, count, stream(0, POSTERIOR, number))
-        held = tuple(name for name in CATALOGUE if any(name == effect for effect, _ in drawn))
-        sets.setdefault(held, []).append((drawn, np.full(count, each.probability / total / count)))
-    columns = tuple(dict.fromkeys(column for own in sets.values() for drawn, _ in own for column in drawn))
+    for number, hypothesis in enumerate(hypotheses):
+        count = max(FEWEST, round(DRAWS * hypothesis.probability / total))
+        drawn = _drawn(hypothesis, count, stream(0, POSTERIOR, number))
+        effects = tuple(name for name in CATALOGUE if any(name == effect for effect, _ in drawn))
+        sets.setdefault(effects, []).append((drawn, np.full(count, hypothesis.probability / total / count)))
+    columns = tuple(dict.fromkeys(column for parts in sets.values() for drawn, _ in parts for column in drawn))
     rows, shares = [], []
-    for held, own in sets.items():
-        values = np.concatenate([_rows(drawn, len(weights), columns, held) for drawn, weights in own])
+    for effects, parts in sets.items():
+        values = np.concatenate([_rows(drawn, len(weights), columns, effects) for drawn, weights in parts])
         order = np.lexsort(values.T[::-1]) if columns else np.arange(len(values))  # neighbours are alike
         rows.append(values[order])
-        shares.append(np.concatenate([weights for _, weights in own])[order])
-    which = np.repeat(np.arange(len(rows)), [len(each) for each in rows])
+        shares.append(np.concatenate([weights for _, weights in parts])[order])
+    which = np.repeat(np.arange(len(rows)), [len(block) for block in rows])
     weights = np.concatenate(shares)
     return WeightedDraws(tuple(sets), which, columns, np.concatenate(rows), weights / weights.sum())
 
 
-def _rows(drawn: Mapping[Column, Array], count: int, columns: Sequence[Column], held: Causes) -> Array:
+def _rows(drawn: Mapping[Column, Array], count: int, columns: Sequence[Column], effects: Causes) -> Array:
     """Draws as rows of all columns: a parameter that one fit has and another leaves out is at its default there."""
-    found = np.full((count, len(columns)), np.nan)
+    rows = np.full((count, len(columns)), np.nan)
     for index, (effect, name) in enumerate(columns):
         if (effect, name) in drawn:
-            found[:, index] = drawn[effect, name]
-        elif effect in held:
-            found[:, index] = CATALOGUE[effect].parameters[name].default
-    return found
+            rows[:, index] = drawn[effect, name]
+        elif effect in effects:
+            rows[:, index] = CATALOGUE[effect].parameters[name].default
+    return rows
 
 
-def _drawn(each: Hypothesis, count: int, generator: np.random.Generator) -> dict[Column, Array]:
+def _drawn(hypothesis: Hypothesis, count: int, generator: np.random.Generator) -> dict[Column, Array]:
     """Draws of all effects of a hypothesis: what the data show of them, and what the mission knew of the others."""
-    found: dict[Column, Array] = each.fit.posterior.drawn(count, generator) if each.fit.posterior is not None else {}
-    seen = {*each.shown, *each.fit.causes}
-    others = [e for e in each.before.effect_list.known if e.effect not in seen and e.explanation is not None]
+    draws: dict[Column, Array] = (
+        hypothesis.fit.posterior.drawn(count, generator) if hypothesis.fit.posterior is not None else {}
+    )
+    seen = {*hypothesis.shown, *hypothesis.fit.causes}
+    others = [e for e in hypothesis.before.effect_list.known if e.effect not in seen and e.explanation is not None]
     stated = {entry.place: entry for entry in others if not is_learned(entry)}
     if stated:
-        drawn, weights = stated_draws(each.before, {place: entry.parameters for place, entry in stated.items()})
+        drawn, weights = stated_draws(hypothesis.before, {place: entry.parameters for place, entry in stated.items()})
         picked = _resampled(weights, count, generator)
-        for entry, own in zip(stated.values(), drawn, strict=True):
-            found |= {(entry.effect, name): values[picked] for name, values in own.items()}
-    learned = each.before.effect_list.learned
+        for entry, parameters in zip(stated.values(), drawn, strict=True):
+            draws |= {(entry.effect, name): values[picked] for name, values in parameters.items()}
+    learned = hypothesis.before.effect_list.learned
     if learned is not None:
-        kept = {entry.effect for entry in others if is_learned(entry)} | ({""} if SIGMA not in found else set())
-        held = learned.held_as_seen
-        picked = _resampled(held.weights, count, generator)
-        found |= {c: held.values[picked, i] for i, c in enumerate(held.columns) if c[0] in kept}
-    return found
+        kept = {entry.effect for entry in others if is_learned(entry)} | ({""} if SIGMA not in draws else set())
+        weighted_draws = learned.held_as_seen
+        picked = _resampled(weighted_draws.weights, count, generator)
+        draws |= {c: weighted_draws.values[picked, i] for i, c in enumerate(weighted_draws.columns) if c[0] in kept}
+    return draws
 
 
 def _resampled(weights: Array, count: int, generator: np.random.Generator) -> NDArray[np.int_]:
@@ -258,14 +265,14 @@ def _resampled(weights: Array, count: int, generator: np.random.Generator) -> ND
 
 def _summary(draws: WeightedDraws, start: str) -> dict[str, object]:
     """What a person reads of the draws: each effect with its probability, means and spreads, and the date of phases."""
-    found: dict[str, object] = {}
+    summary: dict[str, object] = {}
     for effect in sorted(draws.effects, key=lambda name: -draws.probability(name)):
         words: dict[str, object] = {"probability": float(f"{draws.probability(effect):.4g}")}
         for other, name in draws.columns:
             if other == effect:
                 words[name] = _in_words((effect, name), *draws.column((effect, name)))
-        found[effect] = words | ({"epoch": start} if start and CATALOGUE[effect].frequency_of is not None else {})
-    return found
+        summary[effect] = words | ({"epoch": start} if start and CATALOGUE[effect].frequency_of is not None else {})
+    return summary
 
 
 def _in_words(column: Column, values: Array, weights: Array) -> object:

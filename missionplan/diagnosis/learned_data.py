@@ -25,20 +25,20 @@ def unlearned(data: Data, mission: Mission) -> Data:
     Where it has learned from everything, all is returned: such data can be laid against the mission, but teach nothing.
     Raises InputError when too little is new.
     """
-    known = is_learned(data, mission.learned_from)
-    if not known.any():
+    mask = is_learned(data, mission.learned_from)
+    if not mask.any():
         return data
     noun, names = _groups(data)
-    if known.all():
-        every = f"this {noun}" if len(known) == 1 else f"all {len(known)} {noun}s"
+    if mask.all():
+        every = f"this {noun}" if len(mask) == 1 else f"all {len(mask)} {noun}s"
         words = f"the mission has learned from {every} already (learned_from): nothing is learned again"
         return replace(data, notices=(*data.notices, words))
-    left_out = listed([name for name, is_known in zip(names, known, strict=True) if is_known])
+    left_out = listed([name for name, is_known in zip(names, mask, strict=True) if is_known])
     words = (
-        f"{counted(int(known.sum()), noun)} of {len(known)} from which the mission has learned already (learned_from) "
+        f"{counted(int(mask.sum()), noun)} of {len(mask)} from which the mission has learned already (learned_from) "
         f"count once, and are left out: {left_out}"
     )
-    part = data.subset(~known)
+    part = data.subset(~mask)
     if isinstance(part, TransitData):
         enough(part, NEW, WHOLE)
     if isinstance(part, PreparedDives) and len(part.dives) < MIN_DIVES:

@@ -73,8 +73,8 @@ class Reading:
     def probability(self, causes: Causes) -> float:
         """Probability of a set, its supersets and those of the sets told as one with it counted."""
         alike = next((family for family in self.families if causes in family), (causes,))
-        held = [other for other in self.posterior if any(set(one) <= set(other) for one in alike)]
-        return sum(self.posterior[other] for other in held)
+        supersets = [other for other in self.posterior if any(set(one) <= set(other) for one in alike)]
+        return sum(self.posterior[other] for other in supersets)
 
     def verdict(self, *, is_constant: bool = True) -> Verdict:
         """Return the first verdict that fits: no model is adequate where something without a name is likely."""
@@ -210,51 +210,57 @@ def _tested_residuals(model: Model, fits: Sequence[CauseFit]) -> list[tuple[Disc
     return [(discrepancy(left), outlying_groups(left)) for left in map(model.residuals, fits)]
 
 
-def judge(bound: DataKind, found: PipelineResult) -> Judgement:
+def judge(bound: DataKind, pipeline_result: PipelineResult) -> Judgement:
     """Judge what the pipeline found on a data set."""
-    causes = found.best.causes
-    not_constant = bound.not_constant(found.best) if causes else ()
-    verdict = found.reading.verdict(is_constant=not not_constant)
+    causes = pipeline_result.best.causes
+    not_constant = bound.not_constant(pipeline_result.best) if causes else ()
+    verdict = pipeline_result.reading.verdict(is_constant=not not_constant)
     if not causes and verdict != "adequate":  # also where the likeliest set cannot be fitted
         verdict = "unexplained"
     return Judgement(
         bound.limited_verdict(verdict),
-        found.credible_set,
-        tuple(rivals(found.posterior, causes)) if causes else (),
+        pipeline_result.credible_set,
+        tuple(rivals(pipeline_result.posterior, causes)) if causes else (),
         not_constant,
-        bound.suspect_labels(found.selection),
-        found.reading.none_of_these,
-        found.reading.nothing,
-        interval_coverage(_held_out_scores(found)),
+        bound.suspect_labels(pipeline_result.selection),
+        pipeline_result.reading.none_of_these,
+        pipeline_result.reading.nothing,
+        interval_coverage(_held_out_scores(pipeline_result)),
     )
 
 
-def _held_out_scores(found: PipelineResult) -> tuple[HeldOutScore, ...]:
+def _held_out_scores(pipeline_result: PipelineResult) -> tuple[HeldOutScore, ...]:
     """Held-out scores of the model that is believed; none where none were made."""
-    own = found.held_out.get(found.best.causes)
-    if own is not None:
-        return own.extended
-    return next((comparison.base for comparison in found.held_out.values()), ()) if not found.best.causes else ()
+    comparison = pipeline_result.held_out.get(pipeline_result.best.causes)
+    if comparison is not None:
+        return comparison.extended
+    return (
+        next((comparison.base for comparison in pipeline_result.held_out.values()), ())
+        if not pipeline_result.best.causes
+        else ()
+    )
 
 
-def read(bound: DataKind, found: PipelineResult) -> Readings:
+def read(bound: DataKind, pipeline_result: PipelineResult) -> Readings:
     """Return what else the posterior says."""
-    selection, best = found.selection, found.best
+    selection, best = pipeline_result.selection, pipeline_result.best
     return Readings(
-        inclusion(found.posterior),
+        inclusion(pipeline_result.posterior),
         selection.responses,
         selection.not_computed,
         tuple(family for family in selection.families if best.causes in family),
         bound.aliases(best) if best.causes else (),
-        _predicts_better(bound, found) if best.causes else None,
+        _predicts_better(bound, pipeline_result) if best.causes else None,
         bound.wrong_fixes(best),
         bound.confounded_with_reckoning(best),
     )
 
 
-def _predicts_better(bound: DataKind, found: PipelineResult) -> bool | None:
+def _predicts_better(bound: DataKind, pipeline_result: PipelineResult) -> bool | None:
     """Whether the claimed set predicts data kept away better, in single groups and all the way."""
-    held_out = found.held_out.get(found.best.causes)
+    held_out = pipeline_result.held_out.get(pipeline_result.best.causes)
     if held_out is None:
         return None
-    return held_out.gain.log_score_gain > 0.0 and bound.is_better_ahead(found.selection.base, found.best)
+    return held_out.gain.log_score_gain > 0.0 and bound.is_better_ahead(
+        pipeline_result.selection.base, pipeline_result.best
+    )

@@ -54,9 +54,9 @@ def leg_length_choice(base: Mission, extended: Mission, seed: int, jobs: int) ->
     asked = [(base, None), (extended, None), *([(extended, written)] if written is not None else [])]
     before, after, *others = parallel_map(partial(_sweeps, seed), asked, jobs=jobs, separately=True)
     kept = after.points[before.recommended_index]
-    own = next((_leg_plan(curve.recommended) for curve in others), None)
+    as_written = next((_leg_plan(curve.recommended) for curve in others), None)
     best, anew = _leg_plan(before.recommended), _leg_plan(after.recommended)
-    return PlanGain(best, anew, _leg_plan(kept), as_written_under_extended=own)
+    return PlanGain(best, anew, _leg_plan(kept), as_written_under_extended=as_written)
 
 
 def _sweeps(seed: int, asked: Sequence[tuple[Mission, float | None]]) -> list[SweepCurve]:
@@ -79,15 +79,17 @@ def anchor_choice(base: Mission, extended: Mission, seed: int, jobs: int) -> Pla
 
     # with an anchor that carries the vehicle's net buoyancy too: Eq. 15's alone may not even sink it
     carrying = {"carry_net_buoyancy": True}
-    missions = [with_first_mooring(each, lambda moor: moor.model_copy(update=carrying)) for each in (base, extended)]
+    missions = [
+        with_first_mooring(mission, lambda moor: moor.model_copy(update=carrying)) for mission in (base, extended)
+    ]
     chosen = [worst_case_anchor(mission) for mission in missions]
     cases = [(missions[0], chosen[0]), (missions[1], chosen[1])]
     if chosen[0] != chosen[1]:
         cases.append((missions[1], chosen[0]))
     written = missions[1].moors[0].anchor_wet_weight
-    own = [] if isinstance(written, str) else [(missions[1], mean_of(written))]
-    results = parallel_map(partial(_anchor_plans, seed), [*cases, *own], jobs=jobs, separately=True)
-    as_written = results[-1] if own else None
+    written_cases = [] if isinstance(written, str) else [(missions[1], mean_of(written))]
+    results = parallel_map(partial(_anchor_plans, seed), [*cases, *written_cases], jobs=jobs, separately=True)
+    as_written = results[-1] if written_cases else None
     return PlanGain(results[0], results[1], results[len(cases) - 1], as_written_under_extended=as_written)
 
 
@@ -113,10 +115,10 @@ def _anchor_plans(seed: int, cases: Sequence[tuple[Mission, float]]) -> list[Pla
     plans: list[Plan] = []
     for mission, weight in cases:
         anchored = with_anchor(mission, weight)
-        found, phase = event_probabilities(anchored, trials=TRIALS, seed=seed), mission.moors[0].name
+        probabilities, phase = event_probabilities(anchored, trials=TRIALS, seed=seed), mission.moors[0].name
         events = ("within_radius", "struck_seafloor")
-        shares = {name: found[Counted.event(f"{phase}.{name}")].value for name in events}
-        plans.append({"anchor_wet_weight_n": weight, **shares, "success": found[SUCCESS].value})
+        shares = {name: probabilities[Counted.event(f"{phase}.{name}")].value for name in events}
+        plans.append({"anchor_wet_weight_n": weight, **shares, "success": probabilities[SUCCESS].value})
     return plans
 
 
@@ -125,10 +127,10 @@ def with_urgency(levels: Sequence[ParameterLevels], mission: Mission, seed: int)
     from missionplan.studies.simulation.simulate import event_probabilities
 
     first: float | None = None
-    for ahead in AHEAD if any(each.has_trend for each in levels) else ():
+    for ahead in AHEAD if any(level.has_trend for level in levels) else ():
         then = mission.at_place(NOWHERE, missions=float(ahead))
         success = event_probabilities(then, trials=TRIALS_AHEAD, seed=seed)[SUCCESS].value
         first = success if first is None else first
         if success < first - MATTERS:
-            return tuple(replace(each, matters_in=ahead) if each.has_trend else each for each in levels)
+            return tuple(replace(level, matters_in=ahead) if level.has_trend else level for level in levels)
     return tuple(levels)

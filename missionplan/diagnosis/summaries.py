@@ -55,8 +55,8 @@ class SummaryForward(DescentForward):
     ) -> "SummaryQuantities":
         """Return quantities of all tests, less those without effects where data are measured less simulated values."""
         relative = np.concatenate([test.relative for test in self.tests])
-        found = self._quantities(coordinates, values, weight_factor)
-        return SummaryQuantities(found - np.where(relative[:, None], self._plain, 0.0))
+        quantities = self._quantities(coordinates, values, weight_factor)
+        return SummaryQuantities(quantities - np.where(relative[:, None], self._plain, 0.0))
 
     @cached_property
     def _plain(self) -> Array:
@@ -198,7 +198,7 @@ class SummaryKind(DataKind):
         """
         model, tests = self.model, self.model.forward.tests
         places = np.stack([base.state.linear.at, best.state.linear.at], axis=1)
-        found = model.forward.readings(model.coordinates, places)
+        quantities = model.forward.readings(model.coordinates, places)
         return pd.DataFrame(
             {
                 "run": np.repeat([test.name for test in tests], [len(test.quantities) for test in tests]),
@@ -206,10 +206,10 @@ class SummaryKind(DataKind):
                 "less_simulated": [relative for test in tests for relative in test.relative],
                 "measured": model.y,
                 "sd": model.units,
-                "base": found[:, 0],
-                "extended": found[:, 1],
-                "residual_base_sd": (model.y - found[:, 0]) / model.units,
-                "residual_extended_sd": (model.y - found[:, 1]) / model.units,
+                "base": quantities[:, 0],
+                "extended": quantities[:, 1],
+                "residual_base_sd": (model.y - quantities[:, 0]) / model.units,
+                "residual_extended_sd": (model.y - quantities[:, 1]) / model.units,
             }
         )
 

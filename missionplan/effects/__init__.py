@@ -87,9 +87,9 @@ def _name_problems(info: EffectInfo) -> Iterator[str]:
 
 
 def _field_problems(info: EffectInfo) -> Iterator[str]:
-    known = set(inspect.signature(info.effect).parameters)
+    fields = set(inspect.signature(info.effect).parameters)
     for name, parameter in info.parameters.items():
-        if (parameter.field or name) not in known:
+        if (parameter.field or name) not in fields:
             yield f"parameter {name}: {info.effect.__name__} has no field {parameter.field or name}"
 
 
@@ -113,8 +113,8 @@ def _reference_problems(info: EffectInfo) -> Iterator[str]:
     if info.likeness is not None and info.likeness.parameter not in info.parameters:
         yield f"likeness: {info.likeness.parameter} is no parameter"
     if info.finding is not None:
-        told = {info.finding.parameter, *(info.finding.toward or ())} - {"", *info.parameters}
-        yield from (f"finding: {name} is no parameter" for name in sorted(told))
+        names = {info.finding.parameter, *(info.finding.toward or ())} - {"", *info.parameters}
+        yield from (f"finding: {name} is no parameter" for name in sorted(names))
     if info.is_modulated and not (
         info.polar and issubclass(info.effect, Oscillation) and {*MODULATION_PARAMETERS} <= {*info.parameters}
     ):
@@ -252,17 +252,17 @@ class Catalogue:
     """Why a plug-in is left out, by the plug-in's name."""
 
 
-def with_plugins(own: Sequence[EffectInfo], plugins: Iterable[EntryPoint]) -> Catalogue:
+def with_plugins(core: Sequence[EffectInfo], plugins: Iterable[EntryPoint]) -> Catalogue:
     """Make the catalogue of the project's own effects and of those that installed packages add.
 
     A plug-in that cannot be loaded, that declares too little or that cannot be combined with the others is left out as
     a whole, with the reason. Raises ValueError when the project's own effects cannot stand together.
     """
-    problems = [f"{info.id}: {problem}" for info in own for problem in entry_problems(info)] + catalogue_problems(own)
+    problems = [f"{info.id}: {problem}" for info in core for problem in entry_problems(info)] + catalogue_problems(core)
     if problems:
         raise ValueError("; ".join(problems))
-    accepted, failed = list(own), {}
-    origins = dict.fromkeys((info.id for info in own), "missionplan")
+    accepted, failed = list(core), {}
+    origins = dict.fromkeys((info.id for info in core), "missionplan")
     for plugin in plugins:
         try:
             loaded = load_plugin(plugin)

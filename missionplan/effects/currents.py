@@ -97,8 +97,8 @@ class InertialCurrent(Oscillation):
 
 
 def _needs_latitude(record: LegRecord) -> str:
-    known = math.isfinite(record.latitude)
-    return "" if known else "needs the latitude: site.origin in the mission, or positions by latitude"
+    is_known = math.isfinite(record.latitude)
+    return "" if is_known else "needs the latitude: site.origin in the mission, or positions by latitude"
 
 
 INERTIAL_CURRENT = EffectInfo(

@@ -45,10 +45,10 @@ class SensorLag(DescentEffect):
             behind[k + 1] = decay * behind[k] + (1.0 - decay) * constant * rate[k]
         reading = depth - behind
         window = 2.0 * lag * averaging / (1.0 + averaging)
-        own = window > 0.0
-        if own.any():
-            trials = (values[..., own] for values in (depth, rate, behind, constant, window))
-            reading[..., own] = _averaged(step, *trials)
+        mask = window > 0.0
+        if mask.any():
+            trials = (values[..., mask] for values in (depth, rate, behind, constant, window))
+            reading[..., mask] = _averaged(step, *trials)
         return reading
 
 

@@ -291,8 +291,8 @@ class EffectInfo:
 
         Raises KeyError when the effect has no such parameter.
         """
-        given = {name: parameter.default for name, parameter in self.parameters.items()} | dict(values)
-        return self.effect(**{self.parameters[name].field or name: value for name, value in given.items()})
+        arguments = {name: parameter.default for name, parameter in self.parameters.items()} | dict(values)
+        return self.effect(**{self.parameters[name].field or name: value for name, value in arguments.items()})
 
     @property
     def neutral(self) -> dict[str, float]:
@@ -301,18 +301,18 @@ class EffectInfo:
         sizes = [name for name, parameter in self.parameters.items() if parameter.default in (0.0, inf)]
         return {name: self.parameters[name].default for name in strengths or sizes}
 
-    def make_where(self, values: Mapping[str, Scalars], held: NDArray[np.bool_]) -> Effect:
+    def make_where(self, values: Mapping[str, Scalars], mask: NDArray[np.bool_]) -> Effect:
         """Build the effect as it acts in some of the trials: in the others its parameters are neutral.
 
         Parameters
         ----------
         values : mapping
             Floats or arrays over the trials, shape (n,).
-        held : array of bool, shape () or (n,)
+        mask : array of bool, shape () or (n,)
         """
-        if held.all() or self.phase == "tank":
+        if mask.all() or self.phase == "tank":
             return self.make(values)
-        if not held.any():
+        if not mask.any():
             return TransitEffect() if self.phase == "transit" else DescentEffect()
-        acting = {name: np.where(held, values.get(name, nil), nil) for name, nil in self.neutral.items()}
+        acting = {name: np.where(mask, values.get(name, nil), nil) for name, nil in self.neutral.items()}
         return self.make({**values, **acting})

@@ -81,9 +81,9 @@ class PersistentError(MarkovVelocity):
         The variance is sigma²·(2/a²)·(a − 2 tanh ½a), the process being a bridge between both values.
         """
         a = duration / self.time
-        known, half = np.maximum(a, SHORT), np.tanh(0.5 * np.maximum(a, SHORT))
-        rest = np.where(a < SHORT, a / 6.0, 2.0 * (known - 2.0 * half) / np.square(known))
-        return np.where(a < SHORT, 0.5, half / known), np.asarray(np.square(self.sigma) * rest)
+        ratio, half = np.maximum(a, SHORT), np.tanh(0.5 * np.maximum(a, SHORT))
+        rest = np.where(a < SHORT, a / 6.0, 2.0 * (ratio - 2.0 * half) / np.square(ratio))
+        return np.where(a < SHORT, 0.5, half / ratio), np.asarray(np.square(self.sigma) * rest)
 
 
 PERSISTENT_ERROR = EffectInfo(
@@ -271,10 +271,10 @@ class HeavyTails(TransitEffect):
 
     def error_scale(self, normals: Array) -> Array:
         """Return the factor on each leg's random velocity error, shape (n,), from the first of its normals."""
-        every, own = np.broadcast_arrays(self.dof, normals[0])
-        factor, finite = np.ones(own.shape), np.isfinite(every)
+        every, normal = np.broadcast_arrays(self.dof, normals[0])
+        factor, finite = np.ones(normal.shape), np.isfinite(every)
         dof = every[finite]
-        chi_squared = 2.0 * scipy.special.gammaincinv(0.5 * dof, scipy.special.ndtr(own[finite]))
+        chi_squared = 2.0 * scipy.special.gammaincinv(0.5 * dof, scipy.special.ndtr(normal[finite]))
         factor[finite] = np.sqrt((dof - 2.0) / chi_squared)
         return factor
 

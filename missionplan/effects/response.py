@@ -166,11 +166,11 @@ def _two(stem: str, words: str, searched: str) -> Term:
     return Term(parts, (searched,), finding)
 
 
-def _drifts(what: str, words: str, lacking: Lacking, searched: tuple[str, ...] = (), each: float = 1.0) -> Term:
+def _drifts(what: str, words: str, lacking: Lacking, searched: tuple[str, ...] = (), change: float = 1.0) -> Term:
     """A term fixed to the Earth."""
     parts = (f"east_{what}", f"north_{what}")
-    words, unit = f"it drifts {{size}} toward {{direction}} {words}", "m/s" if each != 1.0 else ""
-    return Term(parts, searched, Finding(parts[0], words, toward=parts, each=each, unit=unit), lacking)
+    words, unit = f"it drifts {{size}} toward {{direction}} {words}", "m/s" if change != 1.0 else ""
+    return Term(parts, searched, Finding(parts[0], words, toward=parts, each=change, unit=unit), lacking)
 
 
 def _aside(name: str, words: str, searched: tuple[str, ...], lacking: Lacking) -> Term:
@@ -186,15 +186,15 @@ def _where(what: str, when: str, searched: tuple[str, ...], lacking: Lacking) ->
     return ahead, _drifts(what, when, lacking, searched), _aside(f"abeam_{what}", when, searched, lacking)
 
 
-def _one(name: str, positive: str, negative: str, lacking: Lacking, each: float = 1.0) -> Term:
+def _one(name: str, positive: str, negative: str, lacking: Lacking, change: float = 1.0) -> Term:
     in_percent = _PARAMETERS[name].unit in ("", "1/m", "1/s", "s/m")
-    unit = _PARAMETERS[name].unit.split("/")[0] if each != 1.0 else ""
-    finding = Finding(name, positive, negative, in_percent=in_percent, each=each, unit=unit)
+    unit = _PARAMETERS[name].unit.split("/")[0] if change != 1.0 else ""
+    finding = Finding(name, positive, negative, in_percent=in_percent, each=change, unit=unit)
     return Term((name,), finding=finding, lacking=lacking)
 
 
-def _faster(name: str, words: str, lacking: Lacking, each: float = 1.0) -> Term:
-    return _one(name, f"it goes {{size}} faster {words}", f"it goes {{size}} slower {words}", lacking, each)
+def _faster(name: str, words: str, lacking: Lacking, change: float = 1.0) -> Term:
+    return _one(name, f"it goes {{size}} faster {words}", f"it goes {{size}} slower {words}", lacking, change)
 
 
 def _by_time(what: str, words: str, lacking: Lacking) -> tuple[Term, Term]:
@@ -209,7 +209,7 @@ def _turned(name: str, of: str, side: str) -> Term:
 
 
 def _strengths() -> dict[str, Parameter]:
-    found = {}
+    parameters = {}
     for name in _STRENGTHS:
         side = name.split("_")[0]
         unit, scale = {"ahead": ("", 0.05), "abeam": ("rad", 0.05)}.get(side, ("m/s", 0.05))
@@ -226,8 +226,8 @@ def _strengths() -> dict[str, Parameter]:
         elif "each_leg" in name:
             unit, scale = "m", 20.0
         doc = name.replace("_", " ")
-        found[name] = Parameter(unit, f"velocity error {doc}", scale=scale, spike=1e-3 * scale)
-    return found
+        parameters[name] = Parameter(unit, f"velocity error {doc}", scale=scale, spike=1e-3 * scale)
+    return parameters
 
 
 _PARAMETERS = _strengths()
@@ -237,7 +237,7 @@ TERMS = (
     _faster("ahead_constant", "at any speed", _needs_speeds),
     _faster("ahead_by_speed", "than it reckons for each m/s of its speed", _needs_speeds),
     _faster("ahead_by_depth", "for each 100 m of depth", _needs_depths, DEEPER),
-    _drifts("by_depth", "more for each 100 m of depth", _needs_depths, each=DEEPER),
+    _drifts("by_depth", "more for each 100 m of depth", _needs_depths, change=DEEPER),
     *_by_time("time_under_way", "for each hour that a leg lasts", _needs_durations),
     _one("ahead_each_leg", "it gains {size} on each leg", "it loses {size} on each leg", _needs_durations),
     _aside("abeam_each_leg", "on each leg", (), _needs_durations),

@@ -114,12 +114,12 @@ def kept_after(names: Collection[str], seconds: float) -> float:
 
     Those that it took for a stronger one, of their usual sizes, come out of step with it.
     """
-    kept, total, told = 0.0, 0.0, {name.split("_")[0] for name in names}
+    kept, total, constituents = 0.0, 0.0, {name.split("_")[0] for name in names}
     for name, size in _USUAL.items():
         stands = name
-        while stands not in told and stands in STRONGER:
+        while stands not in constituents and stands in STRONGER:
             stands = STRONGER[stands]
-        if stands in told:
+        if stands in constituents:
             total += size**2
             kept += size**2 * math.cos(2.0 * math.pi * seconds * (1.0 / PERIODS[name] - 1.0 / PERIODS[stands]))
     return kept / total if total else 1.0

@@ -143,14 +143,14 @@ element's own text beside attributes by the empty tag."""
 
 def filled(element: Element, content: Content) -> Element:
     """Put into an element what is to be inside; characters that XML cannot hold are replaced."""
-    for tag, held in content.items():
-        for each in [held] if isinstance(held, str | Mapping) else held:
-            if not isinstance(each, str):
-                filled(ElementTree.SubElement(element, tag), each)
+    for tag, contents_of_tag in content.items():
+        for part in [contents_of_tag] if isinstance(contents_of_tag, str | Mapping) else contents_of_tag:
+            if not isinstance(part, str):
+                filled(ElementTree.SubElement(element, tag), part)
             elif tag.startswith("@"):
-                element.set(tag[1:], mended(each))
+                element.set(tag[1:], mended(part))
             else:
-                (ElementTree.SubElement(element, tag) if tag else element).text = mended(each)
+                (ElementTree.SubElement(element, tag) if tag else element).text = mended(part)
     return element
 
 
@@ -225,9 +225,9 @@ def conformance(name: str) -> Mapping[GuardKind, str]:
 
 def conformance_table() -> str:
     """Return the table of the reference: guards by formats, in Markdown."""
-    told = [conformance(name) for name in VEHICLES]
+    columns = [conformance(name) for name in VEHICLES]
     lines = [f"| guard | {' | '.join(f'`{name}`' for name in VEHICLES)} |", "|---" * (len(VEHICLES) + 1) + "|"]
     for guard, (words, unit) in GUARDS.items():
         asked = words.format(f"so many {unit}" if unit else "")
-        lines.append(f"| {asked} | {' | '.join(each[guard] for each in told)} |")
+        lines.append(f"| {asked} | {' | '.join(column[guard] for column in columns)} |")
     return "\n".join(lines) + "\n"

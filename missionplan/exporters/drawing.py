@@ -42,8 +42,8 @@ class _Sheet:
         add(self.root, "text", words, x=f"{x:.1f}", y=f"{y:.1f}", **{"fill": _INK, **style})
 
     def box(self, x: float, y: float, size: tuple[float, float], **style: str) -> None:
-        given = {"width": f"{size[0]:.1f}", "height": f"{size[1]:.1f}", "rx": "6", "fill": "none", "stroke": _INK}
-        add(self.root, "rect", x=f"{x:.1f}", y=f"{y:.1f}", **{**given, **style})
+        attributes = {"width": f"{size[0]:.1f}", "height": f"{size[1]:.1f}", "rx": "6", "fill": "none", "stroke": _INK}
+        add(self.root, "rect", x=f"{x:.1f}", y=f"{y:.1f}", **{**attributes, **style})
 
     def arrow(self, *points: tuple[float, float], colour: str = _INK) -> None:
         """Draw a line through points, with a head at the last."""
@@ -95,21 +95,21 @@ def drawing(plan: Plan) -> Element:
 
 def _group(sheet: _Sheet, group: Sequence[State], following: dict[str, str], entry: float) -> float:
     """Draw the states of a phase in a frame; `entry` is where the arrow into it begins. Return where the next does."""
-    common = [each for each in group[0].transitions if all(each in state.transitions for state in group)]
+    common = [edge for edge in group[0].transitions if all(edge in state.transitions for state in group)]
     framed, top = bool(group[0].phase), sheet.y + 12.0
     sheet.y = top
     if framed:
         name, most = f"{group[0].name.rpartition('-')[0]} {group[0].phase}", int((_BOX - 60.0) / _LETTER)
         name = name if len(name) <= most else f"{name[: most - 1]}…"
         sheet.text(_STEM + 20.0, top + 18.0, name, fill=_PHASE, **{"font-weight": "bold"})
-        for each in common:
-            _abort(sheet, _FRAME_RIGHT, sheet.y + 20.0, _asked(each))
+        for edge in common:
+            _abort(sheet, _FRAME_RIGHT, sheet.y + 20.0, _asked(edge))
             sheet.y += _LINE + 3.0
         sheet.y = max(sheet.y, top + 18.0)
     sheet.y += 12.0
     for state in group:
         sheet.arrow((_STEM, entry), (_STEM, sheet.y))
-        entry = _state(sheet, state, [each for each in state.transitions if each not in common], following)
+        entry = _state(sheet, state, [edge for edge in state.transitions if edge not in common], following)
     if framed:
         sheet.box(5.0, top, (_FRAME_RIGHT - 5.0, entry - top + 5.0), stroke=_GRID)
     return entry
@@ -118,7 +118,7 @@ def _group(sheet: _Sheet, group: Sequence[State], following: dict[str, str], ent
 def _state(sheet: _Sheet, state: State, transitions: Sequence[Transition], following: dict[str, str]) -> float:
     """Draw a state, what leads on from it and what leads to the end; return where its arrow down begins."""
     does = textwrap.wrap(ACTIONS[state.kind], int((_BOX - 16.0) / _LETTER))
-    aborts = [each for each in transitions if each.to == _ABORTED]
+    aborts = [edge for edge in transitions if edge.to == _ABORTED]
     height = max(12.0 + _LINE * (1 + len(does)), (_LINE + 3.0) * len(aborts))
     top = sheet.y
     sheet.tops[state.name], sheet.middles[state.name] = top, top + height / 2.0
@@ -126,15 +126,15 @@ def _state(sheet: _Sheet, state: State, transitions: Sequence[Transition], follo
     sheet.text(_LEFT + 8.0, top + 17.0, state.kind, **{"font-weight": "bold"})
     for number, line in enumerate(does, start=1):
         sheet.text(_LEFT + 8.0, top + 17.0 + _LINE * number, line)
-    for number, each in enumerate(aborts):
+    for number, edge in enumerate(aborts):
         _abort(
             sheet,
             _BOX_RIGHT,
             top + height / 2.0 + (_LINE + 3.0) * (number - (len(aborts) - 1) / 2.0),
-            _asked(each),
+            _asked(edge),
         )
     sheet.y += height
-    on = [_asked(each) for each in transitions if each.to == following.get(state.name)]
+    on = [_asked(edge) for edge in transitions if edge.to == following.get(state.name)]
     for words in (*on[:1], *(f"or {words}" for words in on[1:])):
         for line in textwrap.wrap(words, int((_BOX - 40.0) / _LETTER), subsequent_indent="   "):
             sheet.y += _LINE
@@ -153,11 +153,11 @@ def _abort(sheet: _Sheet, begins: float, y: float, words: str) -> None:
 def _elsewhere(sheet: _Sheet, states: Sequence[State], following: dict[str, str]) -> None:
     """Draw what leads neither to the next state nor to the end, at the left."""
     for state in states:
-        others = [each for each in state.transitions if each.to not in (following.get(state.name), _ABORTED)]
-        for number, each in enumerate(others):
+        others = [edge for edge in state.transitions if edge.to not in (following.get(state.name), _ABORTED)]
+        for number, edge in enumerate(others):
             lane, y = _LEFT - 14.0 - 8.0 * number, sheet.middles[state.name] + 8.0 * number
-            sheet.arrow((_LEFT, y), (lane, y), (lane, sheet.middles[each.to]), (_LEFT, sheet.middles[each.to]))
-            lines = textwrap.wrap(_asked(each), int((lane - 15.0) / _LETTER))
+            sheet.arrow((_LEFT, y), (lane, y), (lane, sheet.middles[edge.to]), (_LEFT, sheet.middles[edge.to]))
+            lines = textwrap.wrap(_asked(edge), int((lane - 15.0) / _LETTER))
             for row, line in enumerate(lines):
                 at = y - _LINE * (len(lines) - row - 1) + 2.0
                 sheet.text(lane - 5.0, at, line, **{"text-anchor": "end"})

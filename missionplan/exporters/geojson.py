@@ -41,19 +41,19 @@ def parts(places: Sequence[list[float]], *, closed: bool = False) -> list[list[l
     list of lists of [longitude, latitude]
         One where it does not cross.
     """
-    found: list[list[list[float]]] = [[list(places[0])]]
+    cut: list[list[list[float]]] = [[list(places[0])]]
     for before, after in itertools.pairwise(places):
         if abs(after[0] - before[0]) > 180.0:
             side = math.copysign(180.0, before[0])
             share = (side - before[0]) / ((after[0] + 2.0 * side - before[0]) or 1.0)
             latitude = round(before[1] + share * (after[1] - before[1]), 7)
-            found[-1].append([side, latitude])
-            found.append([[-side, latitude]])
-        found[-1].append(list(after))
-    if not closed or len(found) == 1:
-        return found
-    found[0] = found.pop()[:-1] + found[0]  # the last part runs on into the first, on the same side
-    return [[*part, part[0]] for part in found]
+            cut[-1].append([side, latitude])
+            cut.append([[-side, latitude]])
+        cut[-1].append(list(after))
+    if not closed or len(cut) == 1:
+        return cut
+    cut[0] = cut.pop()[:-1] + cut[0]  # the last part runs on into the first, on the same side
+    return [[*part, part[0]] for part in cut]
 
 
 def areas(fence: Fence) -> list[list[list[list[float]]]]:
@@ -67,22 +67,26 @@ def areas(fence: Fence) -> list[list[list[list[float]]]]:
 
     first = math.degrees(fence.outline[0][1])
     rings = [
-        [(first + math.remainder(math.degrees(each[1]) - first, 360.0), math.degrees(each[0])) for each in ring]
+        [(first + math.remainder(math.degrees(corner[1]) - first, 360.0), math.degrees(corner[0])) for corner in ring]
         for ring in (fence.outline, *fence.holes)
     ]
     whole = shapely.Polygon(rings[0], rings[1:])
     west, _, east, _ = whole.bounds
-    sides = [(0.0, whole)] if west >= -180.0 and east <= 180.0 else [
-        (turn, shapely.intersection(whole, shapely.box(turn - 180.0, -90.0, turn + 180.0, 90.0)))
-        for turn in (-360.0, 0.0, 360.0)
-    ]  # fmt: skip
+    sides = (
+        [(0.0, whole)]
+        if west >= -180.0 and east <= 180.0
+        else [
+            (turn, shapely.intersection(whole, shapely.box(turn - 180.0, -90.0, turn + 180.0, 90.0)))
+            for turn in (-360.0, 0.0, 360.0)
+        ]
+    )
     return [
         [
             [[longitude - turn, latitude] for longitude, latitude in ring.coords]
             for ring in (part.exterior, *part.interiors)
         ]
         for turn, side in sides
-        for part in map(orient, (each for each in shapely.get_parts(side) if each.area > 0.0))
+        for part in map(orient, (polygon for polygon in shapely.get_parts(side) if polygon.area > 0.0))
     ]
 
 

@@ -38,9 +38,9 @@ def files(plan: Plan, stem: str) -> dict[str, str | bytes]:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / f"{stem}.gpkg"
         for name, kinds in _LAYERS.items():
-            held = [_plain(each) for each in features(plan) if properties_of(each)["kind"] in kinds]
-            if held:
-                _layer(path, plan, name, held)
+            layer = [_plain(feature) for feature in features(plan) if properties_of(feature)["kind"] in kinds]
+            if layer:
+                _layer(path, plan, name, layer)
         return {path.name: path.read_bytes()}
 
 
@@ -56,13 +56,13 @@ def _plain(feature: Feature) -> Feature:
     return {**feature, "properties": kept}
 
 
-def _layer(path: Path, plan: Plan, name: str, held: Sequence[Feature]) -> None:
+def _layer(path: Path, plan: Plan, name: str, features: Sequence[Feature]) -> None:
     """Write a layer: GDAL reads the features as GeoJSON and writes them as they are."""
     from pyogrio import raw
 
-    collection = json.dumps({"type": "FeatureCollection", "features": held}).encode()
+    collection = json.dumps({"type": "FeatureCollection", "features": features}).encode()
     meta, _, geometry, columns = raw.read(collection)
-    kinds = {each["geometry"]["type"] for each in held}
+    kinds = {feature["geometry"]["type"] for feature in features}
     several = any(kind.startswith("Multi") for kind in kinds)
     raw.write(
         path,

@@ -61,4 +61,4 @@ def _point(row: dict[str, Cell]) -> Content:
 
 
 def _extensions(values: Mapping[str, Cell]) -> Content:
-    return {f"mp:{key}": f"{each:.10g}" if isinstance(each, float) else str(each) for key, each in values.items()}
+    return {f"mp:{key}": f"{value:.10g}" if isinstance(value, float) else str(value) for key, value in values.items()}

@@ -85,7 +85,9 @@ def lost(plan: Plan) -> tuple[str, ...]:
 def files(plan: Plan, stem: str) -> dict[str, str | bytes]:
     """Write a file for each transit, so that no vehicle turns back before it has moored."""
     several = len(plan.transits) > 1
-    names = [f"{stem}-{token(number, each.name)}" if several else stem for number, each in enumerate(plan.transits, 1)]
+    names = [
+        f"{stem}-{token(number, transit.name)}" if several else stem for number, transit in enumerate(plan.transits, 1)
+    ]
     return {f"{name}.mis": _mission(plan, transit, name) for name, transit in zip(names, plan.transits, strict=True)}
 
 

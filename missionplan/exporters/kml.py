@@ -25,9 +25,9 @@ def files(plan: Plan, stem: str) -> dict[str, str | bytes]:
 def plan_folders(plan: Plan, *, circles: bool = True) -> dict[str, list[Feature]]:
     """Return the features of a plan with an origin by the folders that they are shown in: phases, and zones."""
     folders: dict[str, list[Feature]] = {f"{phase.name}: plan": [] for phase in plan.phases}
-    for each in features(plan, circles=circles):
-        phase = properties_of(each).get("phase")
-        folders.setdefault("Keep out" if phase is None else f"{phase}: plan", []).append(each)
+    for feature in features(plan, circles=circles):
+        phase = properties_of(feature).get("phase")
+        folders.setdefault("Keep out" if phase is None else f"{phase}: plan", []).append(feature)
     return folders
 
 
@@ -36,7 +36,7 @@ def kml(name: str, description: str, folders: Mapping[str, Sequence[Feature]]) -
 
     `folders`: as GeoJSON has them; a feature's kind gives its style, its properties are what viewers show of it.
     """
-    shown = {properties_of(each)["kind"] for folder in folders.values() for each in folder}
+    shown = {properties_of(feature)["kind"] for folder in folders.values() for feature in folder}
     styles: list[Content] = [
         {
             "@id": kind.replace(" ", "-"),
@@ -51,7 +51,8 @@ def kml(name: str, description: str, folders: Mapping[str, Sequence[Feature]]) -
         if kind in shown
     ]
     listed: list[Content] = [
-        {"name": title, "Placemark": [_placemark(each) for each in held]} for title, held in folders.items()
+        {"name": title, "Placemark": [_placemark(feature) for feature in contents]}
+        for title, contents in folders.items()
     ]
     content: Content = {"name": name, "description": description, "Style": styles, "Folder": listed}
     return document(filled(ElementTree.Element("kml", xmlns=NAMESPACE), {"Document": content}))
@@ -73,24 +74,24 @@ def _placemark(feature: Feature) -> Content:
     if isinstance(data.get("elapsed_s"), list):
         data |= {"begin_s": data["elapsed_s"][0], "end_s": data["elapsed_s"][-1]}
         data = {key: value for key, value in data.items() if key not in _LISTED}
-    known = {key: value for key, value in data.items() if value is not None}
-    if known:
-        texts = {key: f"{value:.10g}" if isinstance(value, float) else str(value) for key, value in known.items()}
+    fields = {key: value for key, value in data.items() if value is not None}
+    if fields:
+        texts = {key: f"{value:.10g}" if isinstance(value, float) else str(value) for key, value in fields.items()}
         mark["ExtendedData"] = {"Data": [{"@name": key, "value": text} for key, text in texts.items()]}
-    shape, held = feature["geometry"]["type"], feature["geometry"]["coordinates"]
+    shape, coordinates = feature["geometry"]["type"], feature["geometry"]["coordinates"]
     if not shape.startswith("Multi"):
-        return {**mark, shape: _geometry(shape, held)}
+        return {**mark, shape: _geometry(shape, coordinates)}
     part = shape.removeprefix("Multi")
-    return {**mark, "MultiGeometry": {part: [_geometry(part, each) for each in held]}}
+    return {**mark, "MultiGeometry": {part: [_geometry(part, ring) for ring in coordinates]}}
 
 
-def _geometry(kind: str, held: Any) -> Content:
+def _geometry(kind: str, coordinates: Any) -> Content:
     """What is inside a geometry of one part."""
     if kind == "Point":
-        return {"coordinates": _coordinates([held])}
+        return {"coordinates": _coordinates([coordinates])}
     if kind == "LineString":
-        return {"tessellate": "1", "coordinates": _coordinates(held)}
-    outer, *inner = ({"LinearRing": {"coordinates": _coordinates(ring)}} for ring in held)
+        return {"tessellate": "1", "coordinates": _coordinates(coordinates)}
+    outer, *inner = ({"LinearRing": {"coordinates": _coordinates(ring)}} for ring in coordinates)
     return {"tessellate": "1", "outerBoundaryIs": outer, "innerBoundaryIs": inner}
 
 

@@ -311,14 +311,14 @@ def _timer(name: str, conditions: list[str], seconds: float, flags: list[str], b
 
 def _behaviour(kind: str, name: str, conditions: list[str], parameters: _Parameters, weight: float = 100) -> list[str]:
     lines = [f"Behavior = {kind}", "{"]
-    given: _Parameters = {
+    settings: _Parameters = {
         "name": name,
         "pwt": f"{weight:g}",
         "condition": ["MODE == ACTIVE", *conditions],
         **parameters,
     }
     if "duration" not in parameters:
-        given["duration"] = "no-time-limit"
-    for key, values in given.items():
+        settings["duration"] = "no-time-limit"
+    for key, values in settings.items():
         lines += [f"  {key} = {value}" for value in ([values] if isinstance(values, str) else values)]
     return [*lines, "}", ""]

@@ -147,8 +147,8 @@ def _items(transit: PlannedTransit) -> Iterator[dict[str, object]]:
             (WAYPOINT, end, depth, 0.0),
             (LOITER_TIME, end, SURFACE, _loiter(transit)),
         ):
-            own = [first, radius if command == WAYPOINT else 0, 0, None if command == WAYPOINT else 0]
-            yield _item(number, command, RELATIVE_TO_HOME, [*own, *_place(at), round(altitude, 3)])
+            parameters = [first, radius if command == WAYPOINT else 0, 0, None if command == WAYPOINT else 0]
+            yield _item(number, command, RELATIVE_TO_HOME, [*parameters, *_place(at), round(altitude, 3)])
             number += 1
         place = end
     yield _item(number, JUMP, MISSION_FRAME, [number - 2, JUMPS + transit.extra_legs, 0, 0, 0, 0, 0])

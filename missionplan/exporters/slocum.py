@@ -108,9 +108,11 @@ def executes(transit: PlannedTransit) -> Execution:
 def refusals(plan: Plan) -> tuple[Problem, ...]:
     """Say what of a plan no glider can do, each with its number."""
     lists = len(_lists(plan))
-    found = [] if lists <= _MOST else [
-        f"the mission has {lists} lists of points; the files of a glider have numbers for {_MOST}"
-    ]  # fmt: skip
+    reasons = (
+        []
+        if lists <= _MOST
+        else [f"the mission has {lists} lists of points; the files of a glider have numbers for {_MOST}"]
+    )
     top, fastest = LIMITS["c_target_depth(m)"][0], FASTEST if plan.has_thruster else GLIDING
     least = top + BAND * (1.0 if plan.has_thruster else 2.0)
     shortest, _ = LIMITS["when_secs(sec)"]
@@ -118,18 +120,18 @@ def refusals(plan: Plan) -> tuple[Problem, ...]:
     for transit in plan.transits:
         cannot = f"{transit.name}: a Slocum glider cannot"
         if transit.depth < least:
-            found.append(
+            reasons.append(
                 f"{cannot} run at {transit.depth:g} m: masterdata lets its yo climb to {top:g} m at least, and the run "
                 f"depth has to be {least - top:g} m below that"
             )
         if transit.speed > fastest:
-            found.append(f"{cannot} make {transit.speed:g} m/s {means}: at most {fastest:g} m/s")
+            reasons.append(f"{cannot} make {transit.speed:g} m/s {means}: at most {fastest:g} m/s")
         elif _interval(transit) < shortest:
-            found.append(
+            reasons.append(
                 f"{cannot} surface {_interval(transit)} s after it dived, for legs of {transit.surfacing.interval:g} m "
                 f"(d_max) at {transit.speed:g} m/s less the climb: masterdata lets it do so after {shortest:g} s"
             )
-    return tuple(Problem(words, key="to") for words in found)
+    return tuple(Problem(words, key="to") for words in reasons)
 
 
 def lost(plan: Plan) -> tuple[str, ...]:
@@ -202,7 +204,7 @@ def _mission(plan: Plan, transit: PlannedTransit, number: int, surfacings: list[
     """Write a mission: behaviours in the order of their priority."""
     stack = [
         ("abend", f"overtime(sec) {transit.abort_time:.0f}", f"remaining_charge_min(%) {RESERVE:.1f}"),
-        *(("surface", f"args_from_file(enum) {each}") for each in surfacings),
+        *(("surface", f"args_from_file(enum) {surfacing}") for surfacing in surfacings),
         ("goto_list", f"args_from_file(enum) {number}", "start_when(enum) 0 # BAW_IMMEDIATELY"),
         ("yo", f"args_from_file(enum) {number}", f"start_when(enum) {_BAW_PITCH_IDLE} # BAW_PITCH_IDLE"),
         (
@@ -293,8 +295,8 @@ def _behaviour(plan: Plan, behaviour: str, name: str, arguments: list[str], wayp
 
 
 def _about(plan: Plan) -> list[str]:
-    told = [f"# {plain(line)}" for line in header(plan, TITLE, lost(plan))]
-    return [*told, f"# Limits (#!) are those of {MASTERDATA}"]
+    comments = [f"# {plain(line)}" for line in header(plan, TITLE, lost(plan))]
+    return [*comments, f"# Limits (#!) are those of {MASTERDATA}"]
 
 
 def _annotated(argument: str) -> str:

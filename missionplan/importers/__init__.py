@@ -99,15 +99,15 @@ def import_logs(
         raise InputError([Problem(message, key="kind", hint=did_you_mean(str(kind), KINDS))])
     mapping = read_mapping(names)
     several = [sources] if isinstance(sources, str | PurePath) else sources
-    paths = [as_path(each, "sources") for each in several]
+    paths = [as_path(source, "sources") for source in several]
     importers, left_out = known_importers()
     if left_out and format not in (None, *importers):
         raise InputError([Problem(f"no format of the name {shown(format)}", key="format"), *left_out])
-    found = find_sources(paths, importers, format, otherwise="track" if mapping else None)
-    found, identity = of_one(found, vehicle, deployment)
+    batch = find_sources(paths, importers, format, otherwise="track" if mapping else None)
+    batch, identity = of_one(batch, vehicle, deployment)
     log = SourceLog(progress=progress, is_strict=is_strict)
     options = ReadOptions(mapping, None if cache is None else as_path(cache, "cache"), vehicle)
-    track = _of_one_deployment(_read(found, options, log), None if identity.deployment else deployment)
+    track = _of_one_deployment(_read(batch, options, log), None if identity.deployment else deployment)
     track = with_declination(possible(track))
     track = replace(track, notices=(*track.notices, *of_the_clock(track), *map(str, left_out)))
     if shift_origin is not None:
@@ -116,8 +116,8 @@ def import_logs(
     reading = Reading(
         track=track,
         name=name or ", ".join(filter(None, (f"{track.name} {identity.vehicle}".strip(), identity.deployment))),
-        sources=tuple(SourceEntry(each.path.name, each.checksum) for each in found.files if each.path in read),
-        passed_over=tuple(str(each) for each in (*log.passed_over, *found.passed_over)),
+        sources=tuple(SourceEntry(file.path.name, file.checksum) for file in batch.files if file.path in read),
+        passed_over=tuple(str(problem) for problem in (*log.passed_over, *batch.passed_over)),
         options=dict(format=track.format, kind=kind, map=list(names), shift_origin=shift_origin, **asdict(rules)),
         began=began,
     )
@@ -134,11 +134,11 @@ def _naming_passed_over(log: SourceLog) -> Iterator[None]:
         raise InputError([*error.problems, *log.passed_over]) from None
 
 
-def _read(found: Sources, options: ReadOptions, log: SourceLog) -> Track:
+def _read(batch: Sources, options: ReadOptions, log: SourceLog) -> Track:
     """Read the files; where none can be read, say what is wrong with each."""
-    track = found.importer.read([each.path for each in found.files], options, log)
+    track = batch.importer.read([file.path for file in batch.files], options, log)
     if not log.read:
-        raise InputError([*log.passed_over, *found.passed_over])
+        raise InputError([*log.passed_over, *batch.passed_over])
     return track
 
 
@@ -150,8 +150,10 @@ def _of_one_deployment(track: Track, begun: str | None) -> Track:
     spans = track.deployments()
     if len(spans) < 2 and begun is None:
         return track.within(*spans[0]) if spans else track  # without single readings of another year
-    parts = {f"{datetime.fromtimestamp(part.fixes.t[0], UTC):%Y-%m-%d}": part for part in
-             (track.within(*span) for span in spans)}  # fmt: skip
+    parts = {
+        f"{datetime.fromtimestamp(part.fixes.t[0], UTC):%Y-%m-%d}": part
+        for part in (track.within(*span) for span in spans)
+    }
     if begun is not None and begun in parts:
         return parts[begun]
     listed = ", ".join(f"{date} ({len(part.fixes)} fixes)" for date, part in parts.items()) or "none"
@@ -178,8 +180,8 @@ def transit_data(reading: Reading, rules: LegRules, explain: Sequence[int] = ())
     if wrong:
         expected = f"expected the number of a leg, 1 to {len(parts.dives)}"
         raise InputError([Problem(f"given {shown(number)}, {expected}", key="explain") for number in wrong])
-    found, by_glide = numbers_of(parts.legs), parts.is_made and not len(reading.track.speed)
-    text = mission_text(reading.name, found)
+    numbers, by_glide = numbers_of(parts.legs), parts.is_made and not len(reading.track.speed)
+    text = mission_text(reading.name, numbers)
     mission_file = "mission.yaml"
     return ImportedData(
         provenance=reading.provenance(text, (*_of_current(parts, rules), *parts.notices)),
@@ -191,8 +193,8 @@ def transit_data(reading: Reading, rules: LegRules, explain: Sequence[int] = ())
             "name": reading.name,
             "file": "legs.csv",
             "noise": {
-                "fix": f"{found.fix_sd:.3g} m",
-                **({"reckoned_speed": min(found.glide_doubt, 1.0)} if found.glide_doubt > 0.0 and by_glide else {}),
+                "fix": f"{numbers.fix_sd:.3g} m",
+                **({"reckoned_speed": min(numbers.glide_doubt, 1.0)} if numbers.glide_doubt > 0.0 and by_glide else {}),
             },
             "source": reading.source,
         },
@@ -203,10 +205,10 @@ def transit_data(reading: Reading, rules: LegRules, explain: Sequence[int] = ())
         reckoning=parts.reckoning,
         rejected_fixes=_rejected(parts),
         mission_text=text,
-        can_show=prospects(parts.legs, found),
+        can_show=prospects(parts.legs, numbers),
         next_commands=(f"missionplan diagnose {mission_file} .", f"missionplan simulate {mission_file}"),
-        figures=_figures(parts, found),
-        lines=_lines(parts, found),
+        figures=_figures(parts, numbers),
+        lines=_lines(parts, numbers),
         basis=parts.basis,
         pictures=tuple(leg_picture(parts, number - 1) for number in dict.fromkeys(explain)),
     )
@@ -268,27 +270,27 @@ def _rejected(parts: CutTrack) -> pd.DataFrame:
     return pd.DataFrame({**columns, "satellites": fixes.satellites, "reason": list(parts.fixes.reasons)})
 
 
-def _figures(parts: CutTrack, found: LegNumbers) -> LogFigures:
-    east, north = found.mean_error
+def _figures(parts: CutTrack, numbers: LegNumbers) -> LogFigures:
+    east, north = numbers.mean_error
     return LogFigures(
-        max_depth=found.depth,
+        max_depth=numbers.depth,
         fixes=len(parts.fixes.good),
-        velocity_error_sigma=found.sigma,
+        velocity_error_sigma=numbers.sigma,
         velocity_error_mean_east=east,
         velocity_error_mean_north=north,
-        leg_length=found.length,
-        leg_duration=found.duration,
-        speed=found.speed,
-        surfacing_time=found.surfacing,
-        fix_sd=found.fix_sd,
-        record=found.record,
+        leg_length=numbers.length,
+        leg_duration=numbers.duration,
+        speed=numbers.speed,
+        surfacing_time=numbers.surfacing,
+        fix_sd=numbers.fix_sd,
+        record=numbers.record,
         made_reckoning_sd=float(parts.legs["dr_sd_m"].median()) if parts.is_made else math.nan,
         current_in_reckoning=parts.current.share if parts.current else math.nan,
     )
 
 
-def _lines(parts: CutTrack, found: LegNumbers) -> TrackLines:
-    latitude, longitude = float(np.radians(found.latitude)), float(np.radians(found.longitude))
+def _lines(parts: CutTrack, numbers: LegNumbers) -> TrackLines:
+    latitude, longitude = float(np.radians(numbers.latitude)), float(np.radians(numbers.longitude))
     origin = Geographic.model_construct(latitude=latitude, longitude=longitude)
 
     def plane(places: Fixes | Positions) -> Array:

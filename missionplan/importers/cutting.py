@@ -84,7 +84,7 @@ class CutTrack:
 def cut(track: Track, rules: LegRules) -> CutTrack:
     """Cut a track into legs, and say of every dive whether it counts and why not."""
     fixes = judge_fixes(track.fixes)
-    told = len(track.notices)
+    notice_count = len(track.notices)
     track, zero, zero_by = from_surface(track, fixes.good)
     depths, gap = depths_of(track.depth, rules), longest_gap(track.depth, rules)
     again = logged_again(fixes.good, track.depth, depths)
@@ -95,13 +95,13 @@ def cut(track: Track, rules: LegRules) -> CutTrack:
     if current is not None and rules.take_out_current:
         reckoned = [current.taken_out(line) for line in reckoned]
         how += ", with the vehicle's estimate of the current taken out"
-    rows = [_row(track, fixes, *each, by) for each in zip(candidates, reckoned, strict=True)]
+    rows = [_row(track, fixes, *pair, by) for pair in zip(candidates, reckoned, strict=True)]
     dives = pd.DataFrame(rows, columns=[*LEG_COLUMNS[1:-2], *BASIS_COLUMNS])
     dives.insert(0, "leg", np.arange(1, len(dives) + 1))
     shortest = shortest_of(rules, track, (dives["t_end_s"] - dives["t_start_s"]).to_numpy())
     dives = pd.concat([dives, judge(dives, track, reckoned, Limits(shortest, gap, depths.surface))], axis=1)
     dives["ok"] = (dives["reason"] == "").astype(int)
-    notices = [*track.notices[told:], *notices, *_of_late_fixes(dives, depths.surface), *_of_old_ends(dives)]
+    notices = [*track.notices[notice_count:], *notices, *_of_late_fixes(dives, depths.surface), *_of_old_ends(dives)]
     speed = "logged" if len(track.speed) else "pitch and depth rate" if by == "made" else "dead-reckoned way"
     north = "a north that is not stated" if track.heading_from == "unknown" else f"{track.heading_from} north"
     north += ", declination added" if track.heading_from == "magnetic" and len(track.declination) else ""
@@ -113,17 +113,17 @@ def _reckoned(
     track: Track, fixes: JudgedFixes, candidates: list[Candidate]
 ) -> tuple[str, list[Positions], str, list[str]]:
     """Dead-reckoned positions of each dive: `logged`, `moved` or `made`, where they come from, and notices."""
-    after = [float(np.nextafter(fixes.good.t[each.before], np.inf)) for each in candidates]
-    own = [track.reckoned.within(t, each.reckoned_to) for t, each in zip(after, candidates, strict=True)]
-    still = [_stands_still(line) for line in own]
+    after = [float(np.nextafter(fixes.good.t[candidate.before], np.inf)) for candidate in candidates]
+    lines = [track.reckoned.within(t, candidate.reckoned_to) for t, candidate in zip(after, candidates, strict=True)]
+    still = [_stands_still(line) for line in lines]
     if can_be_made(track) and (not len(track.reckoned) or np.mean(still or [True]) > _MOST):
         by = "with speed" if len(track.speed) else "with pitch and depth rate"
         why = track.reckoning if not len(track.reckoned) else "the vehicle's position stands still under water"
-        made = [_made(track, fixes, each) for each in candidates]
+        made = [_made(track, fixes, candidate) for candidate in candidates]
         return "made", made, f"made from heading, {by}", [f"{why}: dead reckoning was made from heading, {by}"]
-    shifted = _offset_where_fixes_are_ignored(own, fixes, candidates)
+    shifted = _offset_where_fixes_are_ignored(lines, fixes, candidates)
     if shifted is None:
-        return "logged", own, track.reckoning, []
+        return "logged", lines, track.reckoning, []
     notice = "the vehicle's position goes on across its fixes: each leg's is moved to start at the fix"
     return "moved", shifted, f"{track.reckoning}, each leg moved to start at its fix", [notice]
 
@@ -142,7 +142,7 @@ def _made(track: Track, fixes: JudgedFixes, candidate: Candidate) -> Positions:
 
 
 def _offset_where_fixes_are_ignored(
-    own: list[Positions], fixes: JudgedFixes, candidates: list[Candidate]
+    lines: list[Positions], fixes: JudgedFixes, candidates: list[Candidate]
 ) -> list[Positions] | None:
     """Move each leg's positions to start at its fix, if fixes are not taken in; None if they are.
 
@@ -150,8 +150,8 @@ def _offset_where_fixes_are_ignored(
     dead-reckoned one does just before the next.
     """
     offsets, misses, moved_lines = [], [], []
-    for line, each in zip(own, candidates, strict=True):
-        start, end = each.before, each.after
+    for line, candidate in zip(lines, candidates, strict=True):
+        start, end = candidate.before, candidate.after
         if not len(line) or line.t[0] > fixes.good.t[start] + _LATEST_START:
             moved_lines.append(line)
             continue
@@ -185,23 +185,40 @@ def _row(track: Track, fixes: JudgedFixes, dive: Candidate, line: Positions, by:
     sd, rpm = fixes.sd[dive.after], track.rpm.within(start, dive.surfaced).values
     under_way = max(dive.surfaced - start, 1.0)
     return (
-        _iso(start), _iso(end), start, end, good.latitude[dive.before], good.longitude[dive.before],
-        line.latitude[-1] if has_end else np.nan, line.longitude[-1] if has_end else np.nan,
-        good.latitude[dive.after], good.longitude[dive.after], end - dive.surfaced,
-        _mean_speed(track, line, start, dive.surfaced, under_way), _mean_heading(track, start, dive.surfaced),
-        sd if np.isfinite(sd) else UNSTATED_SD, made_doubt(track, line, end) if by == "made" else np.nan,
-        _mean_depth(track, start, dive.surfaced), dive.max_depth, end - line.t[-1] if has_end else np.nan,
+        _iso(start),
+        _iso(end),
+        start,
+        end,
+        good.latitude[dive.before],
+        good.longitude[dive.before],
+        line.latitude[-1] if has_end else np.nan,
+        line.longitude[-1] if has_end else np.nan,
+        good.latitude[dive.after],
+        good.longitude[dive.after],
+        end - dive.surfaced,
+        _mean_speed(track, line, start, dive.surfaced, under_way),
+        _mean_heading(track, start, dive.surfaced),
+        sd if np.isfinite(sd) else UNSTATED_SD,
+        made_doubt(track, line, end) if by == "made" else np.nan,
+        _mean_depth(track, start, dive.surfaced),
+        dive.max_depth,
+        end - line.t[-1] if has_end else np.nan,
         float(true_from_logged(track, np.array([start]))[0]) if len(track.declination) else np.nan,
         float(rpm.mean()) if len(rpm) else np.nan,
-        dive.depth_at_fix, fixes.by[dive.before], fixes.sd[dive.before], fixes.by[dive.after], sd,
-        by if has_end else "none", len(line),
-        *(len(each.within(start, dive.surfaced)) for each in (track.depth, track.heading, track.speed)),
-    )  # fmt: skip
+        dive.depth_at_fix,
+        fixes.by[dive.before],
+        fixes.sd[dive.before],
+        fixes.by[dive.after],
+        sd,
+        by if has_end else "none",
+        len(line),
+        *(len(series.within(start, dive.surfaced)) for series in (track.depth, track.heading, track.speed)),
+    )
 
 
 def of_the_clock(track: Track) -> Iterator[str]:
     """Say where the clock jumps: no leg across shows it."""
-    jumps = [each for each in track.breaks if each.at_surface_too]
+    jumps = [jump for jump in track.breaks if jump.at_surface_too]
     if jumps:
         more = f", and {counted(len(jumps) - 1, 'time')} more" if len(jumps) > 1 else ""
         yield f"{jumps[0].reason} to {_iso(jumps[0].t)}{more}: times before or after are wrong by as much"

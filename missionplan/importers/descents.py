@@ -51,7 +51,7 @@ def descent_data(reading: Reading, marks: Sequence[float] = ()) -> ImportedData:
     starts, how = (marks, "as given") if len(marks) else (track.marks, "by the log's marks")
     if not len(starts):
         starts, how = separations_by_sinking(track.depth), _BY_SINKING
-    parts = [_dive(track.depth, *map(float, each)) for each in pairwise([*starts, np.inf])]
+    parts = [_dive(track.depth, *map(float, pair)) for pair in pairwise([*starts, np.inf])]
     if not parts:
         message = f"no dive: the depth never grows by {STEADY:g} m/s for {STEADY_TIME:g} s below {LEAST_DEPTH:g} m"
         raise InputError([Problem(message, key="kind")])
@@ -90,16 +90,16 @@ def read_marks(marks: Sequence[str]) -> list[float]:
 
     Raises InputError with each that is no time.
     """
-    found, problems = [], []
+    times, problems = [], []
     for mark in marks:
         try:
-            found.append(epoch_of(mark))
+            times.append(epoch_of(mark))
         except ValueError:
             message = f"given {shown(mark)}, expected a time such as 2026-05-01T10:20:30Z"
             problems.append(Problem(message, key="mark"))
     if problems:
         raise InputError(problems)
-    return sorted(found)
+    return sorted(times)
 
 
 def separations_by_sinking(depth: Series) -> list[float]:
@@ -111,7 +111,7 @@ def separations_by_sinking(depth: Series) -> list[float]:
     depth = _counted_from(depth, shallowest(depth))
     later = depth.at(depth.t + STEADY_TIME)
     sinking = (later - depth.values) / STEADY_TIME >= STEADY
-    found, k, n = [], 0, len(depth)
+    separations, k, n = [], 0, len(depth)
     while k < n:
         if not sinking[k] or depth.values[k] > LEAST_DEPTH:
             k += 1
@@ -121,12 +121,12 @@ def separations_by_sinking(depth: Series) -> list[float]:
         still = np.flatnonzero(~sinking[k:])
         stops = k + int(still[0]) if len(still) else n - 1
         if len(deep) and float(depth.at(np.array([depth.t[stops] + STEADY_TIME]))[0]) >= LEAST_DEPTH:
-            found.append(float(depth.t[_first_step(depth, k)]))
+            separations.append(float(depth.t[_first_step(depth, k)]))
             after = up[up > deep[0]]
             k = k + 1 + int(after[0]) if len(after) else n
         else:
             k = stops + 1
-    return found
+    return separations
 
 
 def _counted_from(depth: Series, zero: float) -> Series:

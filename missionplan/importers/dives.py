@@ -126,10 +126,10 @@ def _surface_reading(depth: Series, at_surface: Series, good: Fixes) -> tuple[fl
     if len(by_state) >= _FEWEST:
         return float(np.median(by_state)), "state"
     at_fix = _depth_near(depth, good.t, _AT_FIX)
-    known = at_fix[np.isfinite(at_fix)]
-    if len(known) < _FEWEST:
+    readings = at_fix[np.isfinite(at_fix)]
+    if len(readings) < _FEWEST:
         return 0.0, "assumed"
-    zero = float(np.quantile(known, 0.25))
+    zero = float(np.quantile(readings, 0.25))
     return (zero, "fixes") if np.mean(depth.values < zero - _ABOVE) < _SHARE_ABOVE else (0.0, "assumed")
 
 
@@ -146,7 +146,7 @@ def logged_again(good: Fixes, depth: Series, depths: Depths) -> NDArray[np.bool_
     dive = np.searchsorted(depth.t[depth.values >= depths.dive], kept.t)
     edges = [0, *(np.flatnonzero(np.diff(dive)) + 1), len(kept)]
     for begin, end in pairwise(edges[1:]):
-        same = [each[begin:end] == each[begin - 1] for each in (kept.latitude, kept.longitude)]
+        same = [coordinate[begin:end] == coordinate[begin - 1] for coordinate in (kept.latitude, kept.longitude)]
         is_old = np.all(same, axis=0)
         again[left[begin:end]] = is_old & ~is_old.all()
     return again
@@ -164,7 +164,7 @@ def find_candidates(fixes: Fixes, depth: Series, depths: Depths, longest_gap: fl
         ends = [float(fixes.t[k + 1]) for k in gaps]
         return [Candidate(int(k), int(k) + 1, np.nan, np.nan, t, t) for k, t in zip(gaps, ends, strict=True)]
     at_fix = _depth_near(depth, fixes.t, _NEAR)
-    found, holes = [], []
+    dives, holes = [], []
     for k in range(len(fixes) - 1):
         start, end = float(fixes.t[k]), float(fixes.t[k + 1])
         during = depth.within(start, end)
@@ -173,13 +173,13 @@ def find_candidates(fixes: Fixes, depth: Series, depths: Depths, longest_gap: fl
         before = _before_last_descent(during, depths, longest_gap) if is_late else during
         if deepest >= depths.dive and len(before) and before.values.max() >= depths.dive:
             surfaced = _surfaced(before, depths, end)
-            found.append(Candidate(k, k + 1, deepest, float(at_fix[k]), surfaced, surfaced if is_late else end))
+            dives.append(Candidate(k, k + 1, deepest, float(at_fix[k]), surfaced, surfaced if is_late else end))
         else:
             hole = float(np.diff(np.concatenate([[start], during.t, [end]])).max())
             holes.append((hole, Candidate(k, k + 1, deepest, float(at_fix[k]), end, end)))
-    usual = float(np.median([fixes.t[each.after] - fixes.t[each.before] for each in found] or [np.inf]))
-    found += [each for hole, each in holes if hole > _SEVERAL * usual]
-    return sorted(found, key=lambda each: each.before)
+    usual = float(np.median([fixes.t[dive.after] - fixes.t[dive.before] for dive in dives] or [np.inf]))
+    dives += [dive for hole, dive in holes if hole > _SEVERAL * usual]
+    return sorted(dives, key=lambda dive: dive.before)
 
 
 def _depth_near(depth: Series, t: Array, near: float) -> Array:
@@ -194,7 +194,7 @@ def _before_last_descent(during: Series, depths: Depths, longest_gap: float) -> 
     """Readings before the descent that a late fix stands in: up to the last one at the surface, or to a hole."""
     ends = np.flatnonzero(during.values <= depths.surface)
     holes = np.flatnonzero(np.diff(during.t) > longest_gap)
-    last = max([int(each[-1]) for each in (ends, holes) if len(each)], default=-1)
+    last = max([int(indices[-1]) for indices in (ends, holes) if len(indices)], default=-1)
     return Series(during.t[: last + 1], during.values[: last + 1])
 
 
@@ -209,37 +209,37 @@ def _surfaced(during: Series, depths: Depths, fix: float) -> float:
     return float(during.t[last] + share * (during.t[last + 1] - during.t[last]))
 
 
-def split_at_surface(track: Track, own: Positions) -> Track:
+def split_at_surface(track: Track, line: Positions) -> Track:
     """Split the vehicle's own positions into dead-reckoned ones, under water, and fixes, at the surface.
 
     At the surface the position is dead-reckoned until it jumps to the fix: fixes count from the greatest step on that
     the position makes while the vehicle comes up and stays there. Where positions are blank under water, or no depth
     tells it apart, all are fixes.
     """
-    if not len(track.depth) or not len(own):
+    if not len(track.depth) or not len(line):
         return track
     track = downwards(track)
     zero = shallowest(track.depth)
     depth = replace(track.depth, values=track.depth.values - (zero if zero > _ABOVE else 0.0))
-    under = depth.at(own.t) > depths_of(depth, LegRules()).surface
+    under = depth.at(line.t) > depths_of(depth, LegRules()).surface
     if not under.any():
         return track
     is_fix = ~under
     starts = np.flatnonzero(under[:-1] & ~under[1:]) + 1
     for start in starts:
         after = np.flatnonzero(under[start:])
-        end = start + int(after[0]) if len(after) else len(own)
+        end = start + int(after[0]) if len(after) else len(line)
         rows = slice(start - 1, end)
-        steps = np.hypot(*displacement(own.latitude[rows][:-1], own.longitude[rows][:-1], own.latitude[rows][1:],
-                                       own.longitude[rows][1:]))  # fmt: skip
+        steps = np.hypot(*displacement(line.latitude[rows][:-1], line.longitude[rows][:-1], line.latitude[rows][1:],
+                                       line.longitude[rows][1:]))  # fmt: skip
         is_fix[start : start + int(np.argmax(steps))] = False
     notice = (
         "one position alone: it is taken for a fix at the surface, from its greatest step on, and as dead-reckoned else"
     )
     return replace(
         track,
-        fixes=track.fixes[np.isin(track.fixes.t, own.t[is_fix])],
-        reckoned=Positions(own.t[~is_fix], own.latitude[~is_fix], own.longitude[~is_fix]),
+        fixes=track.fixes[np.isin(track.fixes.t, line.t[is_fix])],
+        reckoned=Positions(line.t[~is_fix], line.latitude[~is_fix], line.longitude[~is_fix]),
         reckoning="the vehicle's one position, under water",
         notices=(*track.notices, notice),
     )

@@ -106,13 +106,13 @@ def _found(t: Array, east: Array, north: Array, fixes: Fixes) -> Geographic:
         hint = "add origin=LATITUDE,LONGITUDE to --map"
         raise InputError([Problem("positions are in metres, and their origin is not known", key="map", hint=hint)])
     fix = near[away[near] <= away[near].min() + 1.0][0]  # the earliest of the nearest: the reckoning errs more later on
-    own = nearest[fix]
+    row = nearest[fix]
     at_fix = _place(float(fixes.latitude[fix]), float(fixes.longitude[fix]))
-    latitude, longitude = to_geographic(np.array([-east[own]]), np.array([-north[own]]), at_fix)
+    latitude, longitude = to_geographic(np.array([-east[row]]), np.array([-north[row]]), at_fix)
     # the plane about the origin, not about the fix: one step of correction is exact to millimetres
     place = _place(float(np.degrees(latitude[0])), float(np.degrees(longitude[0])))
     missed = to_plane(np.array([at_fix.latitude]), np.array([at_fix.longitude]), place)
-    shift = to_geographic(missed[0] - east[own], missed[1] - north[own], place)
+    shift = to_geographic(missed[0] - east[row], missed[1] - north[row], place)
     return _place(float(np.degrees(shift[0][0])), float(np.degrees(shift[1][0])))
 
 
@@ -173,15 +173,15 @@ def model_declination(latitude: float, longitude: float, t: float) -> float | No
     if not 2008.0 <= year <= 2032.0:
         return None
     which = min(max(int((year - 2010.0) // 5), 0), len(_MODELS) - 1)
-    found = _model(_MODELS[which]).calculate(
+    field = _model(_MODELS[which]).calculate(
         glat=latitude, glon=(longitude + 180.0) % 360.0 - 180.0, alt=0.0, time=year, allow_date_outside_lifespan=True
     )
-    return float(found.d)
+    return float(field.d)
 
 
 def _no_model() -> str:
-    known = find_spec("pygeomag") is not None
-    return "no model is of that date" if known else f"{how_to_install('magnetic')} to check and add it"
+    is_installed = find_spec("pygeomag") is not None
+    return "no model is of that date" if is_installed else f"{how_to_install('magnetic')} to check and add it"
 
 
 @lru_cache(maxsize=4)
@@ -199,17 +199,17 @@ def with_declination(track: Track) -> Track:
     model = model_declination(*place, t)
     if not len(track.declination):
         return _without_own(track, t, model)
-    told = track.declination.values[track.declination.values != 0.0]  # but for the zeros before it knew one
-    own = float(np.median(told)) if len(told) else 0.0
+    readings = track.declination.values[track.declination.values != 0.0]  # but for the zeros before it knew one
+    angle = float(np.median(readings)) if len(readings) else 0.0
     if model is None:
-        notice = f"the vehicle's declination, {own:.1f} deg, was not checked: {_no_model()}"
-    elif abs(own - model) > WRONG:
+        notice = f"the vehicle's declination, {angle:.1f} deg, was not checked: {_no_model()}"
+    elif abs(angle - model) > WRONG:
         notice = (
-            f"the vehicle's declination is {own:.1f} deg, but the World Magnetic Model has {model:.1f} deg there and "
-            f"then: its dead reckoning is turned by {own - model:+.1f} deg, which looks like an error of the compass"
+            f"the vehicle's declination is {angle:.1f} deg, but the World Magnetic Model has {model:.1f} deg there and "
+            f"then: its dead reckoning is turned by {angle - model:+.1f} deg, which looks like an error of the compass"
         )
     else:
-        notice = f"the vehicle's declination, {own:.1f} deg, is that of the World Magnetic Model, {model:.1f} deg"
+        notice = f"the vehicle's declination, {angle:.1f} deg, is that of the World Magnetic Model, {model:.1f} deg"
     return replace(track, notices=(*track.notices, notice))
 
 

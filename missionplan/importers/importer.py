@@ -161,7 +161,7 @@ _OWN = ("slocum", "seaglider", "trajectory", "textlogs", "imc", "moos", "rosbag"
 def known_importers() -> tuple[dict[str, Importer], list[Problem]]:
     """Return the importers by name, and why any that an installed package adds is left out."""
     modules = [import_module(f"missionplan.importers.readers.{name}") for name in _OWN]
-    found: dict[str, Importer] = {each.name: each for module in modules for each in module.IMPORTERS}
+    importers: dict[str, Importer] = {importer.name: importer for module in modules for importer in module.IMPORTERS}
     left_out: list[Problem] = []
     for entry in entry_points(group=_GROUP):
         try:
@@ -169,13 +169,13 @@ def known_importers() -> tuple[dict[str, Importer], list[Problem]]:
             reason = "" if isinstance(importer, Importer) else "is no Importer"
         except PluginError as error:
             importer, reason = None, f"cannot be loaded: {error}"
-        if isinstance(importer, Importer) and importer.name in found:
+        if isinstance(importer, Importer) and importer.name in importers:
             reason = f"has the name of another, {shown(importer.name)}"
         if reason or not isinstance(importer, Importer):
             left_out.append(Problem(f"the importer {entry.name} ({entry.value}) is left out: it {reason}"))
         else:
-            found = {importer.name: importer, **found}  # asked first: it knows its own files better
-    return found, left_out
+            importers = {importer.name: importer, **importers}  # asked first: it knows its own files better
+    return importers, left_out
 
 
 MOST = 400_000
@@ -208,8 +208,8 @@ class ChannelStore:
         self._parts[name].append((t, values))
         while sum(len(part) for part, _ in self._parts[name]) > MOST:
             self._intervals[name] = 2.0 * self._intervals.get(name, 0.5 * _FINEST)
-            kept = [(part, held, spaced(part, self._intervals[name])) for part, held in self._parts[name]]
-            self._parts[name] = [(part[keep], held[keep]) for part, held, keep in kept]
+            kept = [(part, values, spaced(part, self._intervals[name])) for part, values in self._parts[name]]
+            self._parts[name] = [(part[keep], values[keep]) for part, values, keep in kept]
 
     def series(self, name: str, factor: float = 1.0) -> Series:
         """Return a channel's readings in the order of time, times a factor."""
@@ -225,13 +225,13 @@ class ChannelStore:
 
     def at(self, name: str, t: Array) -> Array:
         """Values of a channel at exactly these times; nan where it has none."""
-        known = self.series(name)
-        place = np.searchsorted(known.t, t)
-        found = np.full(len(t), np.nan)
-        inside = place < len(known)
-        hit = np.flatnonzero(inside)[known.t[place[inside]] == t[inside]]
-        found[hit] = known.values[place[hit]]
-        return found
+        channel = self.series(name)
+        place = np.searchsorted(channel.t, t)
+        values = np.full(len(t), np.nan)
+        inside = place < len(channel)
+        hit = np.flatnonzero(inside)[channel.t[place[inside]] == t[inside]]
+        values[hit] = channel.values[place[hit]]
+        return values
 
     def __contains__(self, name: object) -> bool:
         return bool(self._parts.get(str(name)))
@@ -298,9 +298,9 @@ class ColumnStore:
         }
         self.breaks += tuple(clock_jumps(part["t"]))
         self._parts.append(self._thinned(part))
-        while sum(len(each["t"]) for each in self._parts) > MOST and self._interval < _COARSEST:
+        while sum(len(part["t"]) for part in self._parts) > MOST and self._interval < _COARSEST:
             self._interval = 2.0 * self._interval if self._interval else _FINEST
-            self._parts = [self._thinned(each) for each in self._parts]
+            self._parts = [self._thinned(part) for part in self._parts]
         self._joined = {}
 
     def _thinned(self, part: dict[str, Array]) -> dict[str, Array]:
@@ -318,9 +318,9 @@ class ColumnStore:
             names = dict.fromkeys(name for part in self._parts for name in part)
             times = np.concatenate([part["t"] for part in self._parts])
             order = np.argsort(times, kind="stable")
-            for each in names:
+            for column in names:
                 none = (np.full(len(part["t"]), np.nan) for part in self._parts)
-                columns = [part.get(each, missing) for part, missing in zip(self._parts, none, strict=True)]
-                self._joined[each] = np.concatenate(columns)[order]
+                columns = [part.get(column, missing) for part, missing in zip(self._parts, none, strict=True)]
+                self._joined[column] = np.concatenate(columns)[order]
             self._parts = []
         return self._joined.get(name, np.full(len(self._joined.get("t", ())), np.nan))

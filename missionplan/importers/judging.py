@@ -78,7 +78,7 @@ def judge_fixes(fixes: Fixes) -> JudgedFixes:
     good = reasons == ""
     stated = np.isfinite(fixes.hdop) | np.isfinite(fixes.accuracy) | (fixes.satellites >= FEWEST_SATELLITES)
     by = np.select([mended, fixes.valid == 1.0, stated], ["neighbours", "flag", "quality"], "place").astype(object)
-    rejected = tuple(str(each) for each in reasons[~good])
+    rejected = tuple(str(reason) for reason in reasons[~good])
     return JudgedFixes(fixes[good], fix_sd(fixes[good]), fixes[~good], rejected, by[good])
 
 
@@ -112,7 +112,7 @@ def _confirmed(fixes: Fixes, good: NDArray[np.bool_]) -> NDArray[np.bool_]:
         return np.zeros(len(fixes), dtype=bool)
     after = np.clip(np.searchsorted(fixes.t[which], fixes.t), 0, len(which) - 1)
     before = np.maximum(after - 1, 0)
-    away = [np.abs(fixes.t[which[each]] - fixes.t) for each in (before, after)]
+    away = [np.abs(fixes.t[which[neighbour]] - fixes.t) for neighbour in (before, after)]
     nearest = which[np.where(away[0] < away[1], before, after)]
     apart = np.hypot(*displacement(fixes.latitude[nearest], fixes.longitude[nearest], fixes.latitude, fixes.longitude))
     elapsed = np.minimum(*away)
@@ -137,10 +137,10 @@ def _jumps(fixes: Fixes) -> NDArray[np.bool_]:
     wrong = np.zeros(len(fixes), dtype=bool)
     for _ in range(_ROUNDS):
         left = np.flatnonzero(~wrong)
-        found = _worst_of_pairs(fixes[left]) if len(left) >= 3 else np.empty(0, dtype=np.intp)
-        if not len(found):
+        outliers = _worst_of_pairs(fixes[left]) if len(left) >= 3 else np.empty(0, dtype=np.intp)
+        if not len(outliers):
             break
-        wrong[left[found]] = True
+        wrong[left[outliers]] = True
     return wrong
 
 
@@ -243,11 +243,11 @@ def _missing_end(covered: float, start: float, end: float, line: Positions) -> s
 
 
 def _interrupted(track: Track, start: float, end: float, surface: float) -> str:
-    found = [each for each in track.breaks if each.t <= end and start < max(each.t, each.until)]
+    breaks = [moment for moment in track.breaks if moment.t <= end and start < max(moment.t, moment.until)]
     under = [
-        each.reason
-        for each in found
-        if each.at_surface_too or not len(track.depth) or track.depth.at(np.array([each.t]))[0] > surface
+        moment.reason
+        for moment in breaks
+        if moment.at_surface_too or not len(track.depth) or track.depth.at(np.array([moment.t]))[0] > surface
     ]
     return "; ".join(dict.fromkeys(under))
 

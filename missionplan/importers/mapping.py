@@ -63,24 +63,24 @@ def read_mapping(entries: Sequence[str]) -> dict[str, MappedName]:
 
     Raises InputError: all entries that are none.
     """
-    found: dict[str, MappedName] = {}
+    mapping: dict[str, MappedName] = {}
     problems: list[Problem] = []
     for entry in entries:
         if entry.endswith((".yaml", ".yml")) and "=" not in entry:
             data = load_document(Path(entry)).data
             pairs = list(data.items()) if isinstance(data, Mapping) else [(entry, None)]
         else:
-            parts = (each.partition("=") for each in _split(entry))
+            parts = (assignment.partition("=") for assignment in _split(entry))
             pairs = [(quantity.strip(), name if name.strip() else None) for quantity, _, name in parts]
         for quantity, name in pairs:
             problem = _problem(str(quantity), name)
             if problem is not None:
                 problems.append(problem)
             else:
-                found[str(quantity)] = mapped(str(quantity), str(name))
+                mapping[str(quantity)] = mapped(str(quantity), str(name))
     if problems:
         raise InputError(problems)
-    return found
+    return mapping
 
 
 def mapped(quantity: str, name: str) -> MappedName:
@@ -98,9 +98,9 @@ def own_unit(asked: MappedName, quantity: str, heading: str, below: str) -> str:
         return asked.unit
     behind, ending = _BEHIND.search(heading), heading.rpartition("_")[2]
     stated = [behind[1] if behind else "", ending if ending in FACTORS[wanted] else "", below.strip()]
-    for each in (each for each in stated if _WORD.fullmatch(each)):
-        if (wanted == "rad" and each.lower() in DDMM) or factor(each, wanted) or (wanted == "m" and factor(each, "Pa")):
-            return each
+    for word in (text for text in stated if _WORD.fullmatch(text)):
+        if (wanted == "rad" and word.lower() in DDMM) or factor(word, wanted) or (wanted == "m" and factor(word, "Pa")):
+            return word
     return asked.unit
 
 
@@ -111,7 +111,7 @@ def without_unit(heading: str) -> str:
 
 def _split(entry: str) -> list[str]:
     """Split `lat=Latitude[deg] time=UTC[iso]` before each quantity."""
-    starts = [found.start() for found in re.finditer(rf"(?:^|(?<=\s))(?:{'|'.join(QUANTITIES)})=", entry)]
+    starts = [match.start() for match in re.finditer(rf"(?:^|(?<=\s))(?:{'|'.join(QUANTITIES)})=", entry)]
     if not starts or starts[0] != 0:
         return [entry]
     return [entry[start:end].strip() for start, end in zip(starts, [*starts[1:], len(entry)], strict=True)]
@@ -157,11 +157,11 @@ _WORDED = re.compile(
 
 def degrees_of(word: str) -> float:
     """Read degrees as people write them: ``48.652``, ``48 39.12 N``, ``123°28'28.4"W``; nan where it is none."""
-    found = _WORDED.fullmatch(word.replace(",", "."))
-    if found is None:
+    match = _WORDED.fullmatch(word.replace(",", "."))
+    if match is None:
         return math.nan
-    degrees, minutes, seconds = (float(each or 0.0) for each in found.group(2, 3, 4))
-    is_back = math.copysign(1.0, degrees) < 0.0 or (found[1] or found[5] or "").upper() in ("S", "W")
+    degrees, minutes, seconds = (float(number or 0.0) for number in match.group(2, 3, 4))
+    is_back = math.copysign(1.0, degrees) < 0.0 or (match[1] or match[5] or "").upper() in ("S", "W")
     return math.copysign(abs(degrees) + minutes / 60.0 + seconds / 3600.0, -1.0 if is_back else 1.0)
 
 
@@ -202,11 +202,11 @@ def flags(words: Words) -> Array:
     Raises InputError when a cell holds anything else.
     """
     plain = words.str.strip().str.lower()
-    found = np.where(plain.isin(_FLAGS), plain.map(_FLAGS), plain_numbers(words))
-    other = plain[np.isnan(found) & ~plain.isin(("", "nan"))]
+    values = np.where(plain.isin(_FLAGS), plain.map(_FLAGS), plain_numbers(words))
+    other = plain[np.isnan(values) & ~plain.isin(("", "nan"))]
     if len(other):
         raise InputError([Problem(f"given {shown(other.iloc[0])}, expected numbers, A or V, True or False", key="map")])
-    return np.asarray(found, dtype=float)
+    return np.asarray(values, dtype=float)
 
 
 def quantities(words: Words, unit: str, wanted: str) -> Array:
@@ -224,13 +224,15 @@ def unit_factor(unit: str, wanted: str) -> float:
 
     Raises InputError when the unit is unknown, or of another kind.
     """
-    found, pressure = factor(unit, wanted), factor(unit, "Pa") if wanted == "m" else None
-    if found is None and pressure is None:
+    scale, pressure = factor(unit, wanted), factor(unit, "Pa") if wanted == "m" else None
+    if scale is None and pressure is None:
         try:
             return parse_number_with_unit(f"1 {unit}", wanted)
         except QuantityError as error:
-            raise InputError([Problem(each.message, key="map", hint=each.hint) for each in error.problems]) from None
-    return found if found is not None else (pressure or 0.0) / PASCALS_A_METRE
+            raise InputError(
+                [Problem(problem.message, key="map", hint=problem.hint) for problem in error.problems]
+            ) from None
+    return scale if scale is not None else (pressure or 0.0) / PASCALS_A_METRE
 
 
 def times(words: Words, unit: str) -> Array:
@@ -244,11 +246,11 @@ def times(words: Words, unit: str) -> Array:
     """
     kind = unit.lower()
     if "%" in unit:
-        found = _stamps(pd.to_datetime(words.str.strip(), format=unit, errors="coerce", utc=True))
-        if unit.endswith("%S") and np.isnan(found).any():  # seconds may have decimals
+        stamps = _stamps(pd.to_datetime(words.str.strip(), format=unit, errors="coerce", utc=True))
+        if unit.endswith("%S") and np.isnan(stamps).any():  # seconds may have decimals
             parts = _stamps(pd.to_datetime(words.str.strip(), format=f"{unit}.%f", errors="coerce", utc=True))
-            found = np.where(np.isnan(found), parts, found)
-        return found
+            stamps = np.where(np.isnan(stamps), parts, stamps)
+        return stamps
     if kind in ("iso", "iso8601", "utc", ""):
         words = words.str.strip().str.replace(",", ".")
         return _stamps(pd.to_datetime(words, format="ISO8601", errors="coerce", utc=True))

@@ -99,10 +99,10 @@ def _glide_speed(track: Track, t: Array, attack: float) -> Array:
     slope = np.abs(0.5 * (pitch[1:] + pitch[:-1]))  # of the signed ones: the turn of a yo is flat
     steep = slope > LEAST_PITCH
     speed = np.where(steep, sink / np.tan(np.radians(np.where(steep, slope + attack, 45.0))), np.nan)
-    known = np.maximum.accumulate(np.where(steep, np.arange(len(speed)), -1))
-    held = np.where(known >= 0, speed[np.maximum(known, 0)], 0.0) * np.where(steep, 1.0, TURNING)
+    last_steep = np.maximum.accumulate(np.where(steep, np.arange(len(speed)), -1))
+    glide_speed = np.where(last_steep >= 0, speed[np.maximum(last_steep, 0)], 0.0) * np.where(steep, 1.0, TURNING)
     deep = 0.5 * (depth[1:] + depth[:-1]) > LEAST_DEPTH
-    return np.asarray(np.where(deep, np.minimum(held, FASTEST_GLIDE), 0.0))
+    return np.asarray(np.where(deep, np.minimum(glide_speed, FASTEST_GLIDE), 0.0))
 
 
 _FEWEST = 8
@@ -152,17 +152,17 @@ def current_in_reckoning(
     """
     if not len(track.current_east) or not len(track.current_north):
         return None
-    starts = np.array([fixes.t[each.before] for each in candidates], dtype=float)
+    starts = np.array([fixes.t[dive.before] for dive in candidates], dtype=float)
     east, north = (
-        np.nan_to_num([each.latest(t, t - _OLDEST) for t in starts])
-        for each in (track.current_east, track.current_north)
+        np.nan_to_num([component.latest(t, t - _OLDEST) for t in starts])
+        for component in (track.current_east, track.current_north)
     )
     share, sd = float("nan"), float("nan")
     if can_be_made(track):
         rows = [
             row
-            for each, line, estimate in zip(candidates, reckoned, east + 1j * north, strict=True)
-            if (row := _velocities(track, fixes, each, line, estimate)) is not None
+            for dive, line, estimate in zip(candidates, reckoned, east + 1j * north, strict=True)
+            if (row := _velocities(track, fixes, dive, line, estimate)) is not None
         ]
         if len(rows) >= _FEWEST:
             share, sd = _fitted_share(np.array(rows))
@@ -181,9 +181,9 @@ def _velocities(
     if not len(made):
         return None
     duration = float(line.t[-1]) - start
-    ways = (displacement(*place, each.latitude[-1], each.longitude[-1]) for each in (line, made))
-    own, through_water = (complex(east, north) / duration for east, north in ways)
-    return own, through_water, estimate
+    ways = (displacement(*place, positions.latitude[-1], positions.longitude[-1]) for positions in (line, made))
+    velocity, through_water = (complex(east, north) / duration for east, north in ways)
+    return velocity, through_water, estimate
 
 
 def _fitted_share(rows: Array) -> tuple[float, float]:

@@ -61,7 +61,7 @@ class Reading:
         """Return the provenance of the result, with the starter mission's data."""
         counted = len(self.passed_over)
         left = (f"{counted} file{'s were' if counted > 1 else ' was'} passed over",) if counted else ()
-        told = (*self.track.notices, *notices, *left, _UTC)
+        all_notices = (*self.track.notices, *notices, *left, _UTC)
         return Provenance(
             "import",
             self.name,
@@ -69,8 +69,8 @@ class Reading:
             options=self.options,
             elapsed_s=time.perf_counter() - self.began,
             data=yaml.safe_load(mission) if mission else {},
-            notices=told,
-            inputs={"logs": {each.name: each.sha256 for each in self.sources}},
+            notices=all_notices,
+            inputs={"logs": {source.name: source.sha256 for source in self.sources}},
         )
 
     @property
@@ -81,7 +81,7 @@ class Reading:
 
 
 def find_sources(
-    given: Sequence[Path], importers: Mapping[str, Importer], format_name: str | None, otherwise: str | None = None
+    sources: Sequence[Path], importers: Mapping[str, Importer], format_name: str | None, otherwise: str | None = None
 ) -> Sources:
     """Find the files to read, and what reads them.
 
@@ -89,7 +89,7 @@ def find_sources(
 
     Parameters
     ----------
-    given : sequence of Path
+    sources : sequence of Path
         Files and folders.
     importers : Mapping
         By name.
@@ -101,46 +101,46 @@ def find_sources(
     if format_name is not None and format_name not in importers:
         hint = did_you_mean(format_name, importers) or f"one of {', '.join(importers)}"
         raise InputError([Problem(f"no format of the name {format_name!r}", key="format", hint=hint)])
-    paths = _all_files(given)
+    paths = _all_files(sources)
     if not paths:
-        raise InputError([Problem("holds no files", str(each)) for each in given])
-    chosen, passed_over = _recognised(paths, given, importers, format_name)
+        raise InputError([Problem("holds no files", str(source)) for source in sources])
+    chosen, passed_over = _recognised(paths, sources, importers, format_name)
     if otherwise is not None and chosen.keys() <= {otherwise} and format_name in (None, otherwise):
-        chosen, passed_over = _recognised(paths, given, importers, otherwise, is_mapped=True)
+        chosen, passed_over = _recognised(paths, sources, importers, otherwise, is_mapped=True)
     if not chosen:
-        known = ", ".join(importers)
-        message = f"no log of a known format ({known}) among {counted(len(paths), 'file')}"
+        formats = ", ".join(importers)
+        message = f"no log of a known format ({formats}) among {counted(len(paths), 'file')}"
         raise InputError(
-            [Problem(message, str(given[0]), hint="name one with --format; track reads tables with --map")]
+            [Problem(message, str(sources[0]), hint="name one with --format; track reads tables with --map")]
         )
     if len(chosen) > 1:
         counts = ", ".join(f"{len(files)} of {name}" for name, files in chosen.items())
         raise InputError(
-            [Problem(f"logs of several formats: {counts}", str(given[0]), hint="choose one with --format")]
+            [Problem(f"logs of several formats: {counts}", str(sources[0]), hint="choose one with --format")]
         )
-    name, found = next(iter(chosen.items()))
-    files, repeated = _each_once(found)
+    name, logs = next(iter(chosen.items()))
+    files, repeated = _each_once(logs)
     return Sources(importers[name], tuple(files), (*passed_over, *repeated))
 
 
-def of_one(found: Sources, vehicle: str | None, deployment: str | None) -> tuple[Sources, Identity]:
+def of_one(batch: Sources, vehicle: str | None, deployment: str | None) -> tuple[Sources, Identity]:
     """Keep the files of one vehicle and deployment; those that tell neither are taken for its own.
 
     Raises InputError with the list, when files of several are given and none is chosen, or one that is not there.
 
     `vehicle`, `deployment`: as chosen; a deployment that no file names may be a date, which the caller looks for.
     """
-    reader = found.importer
-    known = {each: _identity(reader.identify, each.path) for each in found.files}
-    is_named = any(one.vehicle for one in known.values())
+    reader = batch.importer
+    owners = {file: _identity(reader.identify, file.path) for file in batch.files}
+    is_named = any(one.vehicle for one in owners.values())
     vehicle = _chosen(
-        "vehicle", vehicle, {each: known[each].vehicle for each in known}, is_open=reader.is_choosing and not is_named
+        "vehicle", vehicle, {file: owners[file].vehicle for file in owners}, is_open=reader.is_choosing and not is_named
     )
-    known = {each: one for each, one in known.items() if _same(one.vehicle, vehicle)}
-    is_dated = bool(deployment) and not any(one.deployment for one in known.values())
-    named = _chosen("deployment", deployment, {each: known[each].deployment for each in known}, is_open=is_dated)
-    kept = tuple(each for each, one in known.items() if _same(one.deployment, named))
-    return replace(found, files=kept), Identity(vehicle, "" if is_dated else named)
+    owners = {file: one for file, one in owners.items() if _same(one.vehicle, vehicle)}
+    is_dated = bool(deployment) and not any(one.deployment for one in owners.values())
+    named = _chosen("deployment", deployment, {file: owners[file].deployment for file in owners}, is_open=is_dated)
+    kept = tuple(file for file, one in owners.items() if _same(one.deployment, named))
+    return replace(batch, files=kept), Identity(vehicle, "" if is_dated else named)
 
 
 def _identity(identify: Callable[[Path], Identity] | None, path: Path) -> Identity:
@@ -172,24 +172,24 @@ def _same(name: str, wanted: str) -> bool:
     return not name or not wanted or name == wanted
 
 
-def _all_files(given: Sequence[Path]) -> list[Path]:
+def _all_files(sources: Sequence[Path]) -> list[Path]:
     """Every file named, and every one below a folder named but those that are hidden."""
-    found: list[Path] = []
+    files: list[Path] = []
     problems = []
-    for path in given:
+    for path in sources:
         check_name(str(path))
         if is_file(path):
-            found.append(path)
+            files.append(path)
         elif is_folder(path):
-            found += sorted(_below(path))
+            files += sorted(_below(path))
         else:
             hint = did_you_mean(
-                path.name, [each.name for each in path.parent.glob("*")] if is_folder(path.parent) else []
+                path.name, [file.name for file in path.parent.glob("*")] if is_folder(path.parent) else []
             )
             problems.append(Problem("no such file or folder", str(path), hint=hint))
     if problems:
         raise InputError(problems)
-    return list(dict.fromkeys(found))
+    return list(dict.fromkeys(files))
 
 
 def _below(folder: Path) -> Iterator[Path]:
@@ -200,7 +200,7 @@ def _below(folder: Path) -> Iterator[Path]:
 
 def _recognised(
     paths: Sequence[Path],
-    given: Sequence[Path],
+    sources: Sequence[Path],
     importers: Mapping[str, Importer],
     format_name: str | None,
     *,
@@ -216,8 +216,8 @@ def _recognised(
         if path.suffix.lower() in _COMPANIONS or path.name in _OF_BAGS:
             continue
         head, asked = _head(path), [format_name] if format_name else [k for k, v in importers.items() if v.is_guessed]
-        name = next((each for each in asked if importers[each].recognises(path, head)), None)
-        if name is None and format_name is not None and (path in given or is_mapped):
+        name = next((name for name in asked if importers[name].recognises(path, head)), None)
+        if name is None and format_name is not None and (path in sources or is_mapped):
             name = format_name
         if name is None:
             wanted = f"no {format_name} log" if format_name else "no log of a known format"

@@ -62,7 +62,7 @@ def numbers_of(legs: pd.DataFrame) -> LegNumbers:
     about = errors - errors.mean(axis=1, keepdims=True) if errors.shape[1] >= _FEWEST else errors
     pauses = kept["t_start_s"].to_numpy()[1:] - kept["t_end_s"].to_numpy()[:-1] + kept["surface_s"].to_numpy()[:-1]
     first, last = kept.iloc[0], kept.iloc[-1]
-    end = displacement(*(float(each) for each in (first.lat_start, first.lon_start, last.lat_end, last.lon_end)))
+    end = displacement(*(float(angle) for angle in (first.lat_start, first.lon_start, last.lat_end, last.lon_end)))
     lengths = np.hypot(*ways)
     return LegNumbers(
         latitude=float(first.lat_start),
@@ -100,30 +100,30 @@ def _errors(legs: pd.DataFrame) -> tuple[Array, Array, Array]:
     return error / duration, way, duration
 
 
-def mission_text(name: str, found: LegNumbers) -> str:
+def mission_text(name: str, numbers: LegNumbers) -> str:
     """Write a starter mission: the legs again, from the first fix on, with the errors that they had."""
-    speed, length = max(found.speed, 0.01), max(found.length, 1.0)
-    distance = max(found.way, 4.0 * length)
-    angle = math.radians(found.course)
+    speed, length = max(numbers.speed, 0.01), max(numbers.length, 1.0)
+    distance = max(numbers.way, 4.0 * length)
+    angle = math.radians(numbers.course)
     east, north = distance * math.sin(angle), distance * math.cos(angle)
-    radius = max(2.0 * found.fix_sd, 0.02 * length, 10.0)
+    radius = max(2.0 * numbers.fix_sd, 0.02 * length, 10.0)
     return f"""\
 # Written by missionplan import from a log: the same legs again, with the errors that they had. Change what you know
 # better, then
 #   missionplan diagnose mission.yaml .        what do the legs show that this mission lacks?
 name: '{name.replace("'", "''")}'
-start: {found.start}     # of the first leg: times of the data set count from it
+start: {numbers.start}     # of the first leg: times of the data set count from it
 site:
-  origin: {{latitude: {found.latitude:.6f} deg, longitude: {found.longitude:.6f} deg}}     # the first fix
+  origin: {{latitude: {numbers.latitude:.6f} deg, longitude: {numbers.longitude:.6f} deg}}     # the first fix
 navigation:
-  velocity_error: {{sigma: {_rounded(found.sigma)} m/s}}     # of the legs, about their mean, each axis
-  surfacing_time: {_rounded(max(found.surfacing, 1.0))} s     # median: from surfacing to the fix on diving
-  fix_error: {_rounded(max(found.fix_sd, 0.1))} m     # each axis
+  velocity_error: {{sigma: {_rounded(numbers.sigma)} m/s}}     # of the legs, about their mean, each axis
+  surfacing_time: {_rounded(max(numbers.surfacing, 1.0))} s     # median: from surfacing to the fix on diving
+  fix_error: {_rounded(max(numbers.fix_sd, 0.1))} m     # each axis
 phases:
   - transit:
       name: survey
       from: [0 m, 0 m]
-      to: [{east:.0f} m, {north:.0f} m]     # on the legs' mean course, {found.course:.0f} deg
+      to: [{east:.0f} m, {north:.0f} m]     # on the legs' mean course, {numbers.course:.0f} deg
       speed: {_rounded(speed)} m/s     # median, through the water
       d_max: {_rounded(length)} m     # median length of a leg
       arrival_radius: {_rounded(radius)} m
@@ -146,12 +146,12 @@ _SURFACE_SHARE = 0.02
 """Share of the legs' time that is spent at the surface, from which drift there shows."""
 
 
-def prospects(legs: pd.DataFrame, found: LegNumbers) -> tuple[tuple[str, str], ...]:
+def prospects(legs: pd.DataFrame, numbers: LegNumbers) -> tuple[tuple[str, str], ...]:
     """Return what may be found, and whether the legs suffice or what is lacking."""
     kept = legs[legs["ok"] == 1]
     some, too_few = counted(len(kept), "leg"), f"and {MIN_LEGS} are needed to diagnose anything"
-    usual, way = f"where some {_PERSISTENCE} usually show it", f"nearly all legs go {found.course:.0f} deg"
-    is_one_way = found.spread > _ONE_COURSE
+    usual, way = f"where some {_PERSISTENCE} usually show it", f"nearly all legs go {numbers.course:.0f} deg"
+    is_one_way = numbers.spread > _ONE_COURSE
     return (
         ("a mean current", f"yes: {some}" if len(kept) >= MIN_LEGS else f"no: {some}, {too_few}"),
         (
@@ -164,29 +164,29 @@ def prospects(legs: pd.DataFrame, found: LegNumbers) -> tuple[tuple[str, str], .
             if is_one_way
             else "yes: the legs go several ways",
         ),
-        _tide(found),
-        _inertial(found),
+        _tide(numbers),
+        _inertial(numbers),
         _surface(kept),
         _fix_error(kept),
     )
 
 
-def _tide(found: LegNumbers) -> tuple[str, str]:
-    what, hours = "a tide (M2, 12.4 h)", found.record / 3600.0
-    if found.record < 0.5 * _TIDE:
+def _tide(numbers: LegNumbers) -> tuple[str, str]:
+    what, hours = "a tide (M2, 12.4 h)", numbers.record / 3600.0
+    if numbers.record < 0.5 * _TIDE:
         return what, f"no: the record lasts {hours:.1f} h, less than half a period"
-    if found.duration > 0.5 * _TIDE:
-        return what, f"hardly: a leg lasts {found.duration / 3600.0:.1f} h and averages over the period"
+    if numbers.duration > 0.5 * _TIDE:
+        return what, f"hardly: a leg lasts {numbers.duration / 3600.0:.1f} h and averages over the period"
     return what, f"yes: the record lasts {hours:.0f} h"
 
 
-def _inertial(found: LegNumbers) -> tuple[str, str]:
+def _inertial(numbers: LegNumbers) -> tuple[str, str]:
     what = "an inertial current"
-    rate = 2.0 * 7.2921e-5 * abs(math.sin(math.radians(found.latitude)))
+    rate = 2.0 * 7.2921e-5 * abs(math.sin(math.radians(numbers.latitude)))
     period = 2.0 * math.pi / max(rate, 1e-9)
     hours = period / 3600.0
-    if found.record < 0.5 * period:
-        return what, f"no: the record lasts {found.record / 3600.0:.1f} h, the period there is {hours:.1f} h"
+    if numbers.record < 0.5 * period:
+        return what, f"no: the record lasts {numbers.record / 3600.0:.1f} h, the period there is {hours:.1f} h"
     return what, f"yes: the period there is {hours:.1f} h"
 
 

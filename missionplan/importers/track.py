@@ -43,13 +43,13 @@ class Series:
 
     def held(self, t: Array) -> Array:
         """Values at times [s] that hold until the next reading, as states do; nan before the first."""
-        found = np.searchsorted(self.t, t, side="right") - 1
-        return np.where(found >= 0, self.values[np.maximum(found, 0)], np.nan) if len(self) else np.full(len(t), np.nan)
+        index = np.searchsorted(self.t, t, side="right") - 1
+        return np.where(index >= 0, self.values[np.maximum(index, 0)], np.nan) if len(self) else np.full(len(t), np.nan)
 
     def latest(self, t: float, oldest: float) -> float:
         """Return the last value at or before `t` that is not older than `oldest`; nan where there is none [s]."""
-        found = int(np.searchsorted(self.t, t, side="right")) - 1
-        return float(self.values[found]) if found >= 0 and self.t[found] >= oldest else float("nan")
+        index = int(np.searchsorted(self.t, t, side="right")) - 1
+        return float(self.values[index]) if index >= 0 and self.t[index] >= oldest else float("nan")
 
 
 def series(t: Array, values: Array) -> Series:
@@ -79,7 +79,7 @@ class Positions:
 
 def positions(t: Array, latitude: Array, longitude: Array) -> Positions:
     """Make positions of readings in any order: those that are none left out, in the order of time, one a time."""
-    t, latitude, longitude = (np.asarray(each, dtype=float) for each in (t, latitude, longitude))
+    t, latitude, longitude = (np.asarray(column, dtype=float) for column in (t, latitude, longitude))
     there = np.isfinite(t) & is_place(latitude, longitude)
     t, first = np.unique(t[there], return_index=True)
     return Positions(t, latitude[there][first], longitude[there][first])
@@ -132,18 +132,18 @@ def fixes(
     """
     t = np.asarray(t, dtype=float)
     unknown = np.full(len(t), np.nan)
-    given = (latitude, longitude, accuracy, hdop, satellites, valid)
-    columns = [unknown if each is None else np.asarray(each, dtype=float) for each in given]
+    channels = (latitude, longitude, accuracy, hdop, satellites, valid)
+    columns = [unknown if channel is None else np.asarray(channel, dtype=float) for channel in channels]
     there = np.flatnonzero(np.isfinite(t) & is_place(columns[0], columns[1]))
-    found = Fixes(t, *columns)[there[np.argsort(t[there], kind="stable")]]
-    steps = (np.abs(np.diff(each)) for each in (found.latitude, found.longitude))
-    again = (np.diff(found.t) == 0.0) & np.all([step < _SAME_PLACE for step in steps], axis=0)
-    return found[np.append(True, ~again)[: len(found)]]
+    readings = Fixes(t, *columns)[there[np.argsort(t[there], kind="stable")]]
+    steps = (np.abs(np.diff(coordinate)) for coordinate in (readings.latitude, readings.longitude))
+    again = (np.diff(readings.t) == 0.0) & np.all([step < _SAME_PLACE for step in steps], axis=0)
+    return readings[np.append(True, ~again)[: len(readings)]]
 
 
 def columns_of(kind: type[Series | Positions | Fixes], parts: Sequence[object]) -> dict[str, Array]:
     """Columns of several series, positions or fixes by name, those of one part after another's."""
-    names = [each.name for each in dataclass_fields(kind)]
+    names = [column.name for column in dataclass_fields(kind)]
     return {name: np.concatenate([getattr(part, name) for part in parts] or [_NONE]) for name in names}
 
 
@@ -202,12 +202,12 @@ class Track:
         """Keep what was logged from `start` on and before `end` [s]; a quantity logged once is for all times."""
         kept = self.fixes[(self.fixes.t >= start) & (self.fixes.t < end)]
         parts: dict[str, Any] = {
-            each.name: part.within(start, np.nextafter(end, -np.inf))
-            for each in dataclass_fields(self)
-            if isinstance(part := getattr(self, each.name), Series) and len(part) > 1
+            quantity.name: part.within(start, np.nextafter(end, -np.inf))
+            for quantity in dataclass_fields(self)
+            if isinstance(part := getattr(self, quantity.name), Series) and len(part) > 1
         }
-        breaks = tuple(each for each in self.breaks if start <= max(each.t, each.until) and each.t < end)
-        marks = tuple(each for each in self.marks if start <= each < end)
+        breaks = tuple(moment for moment in self.breaks if start <= max(moment.t, moment.until) and moment.t < end)
+        marks = tuple(mark for mark in self.marks if start <= mark < end)
         return replace(self, fixes=kept, reckoned=self.reckoned.within(start, end), breaks=breaks, marks=marks, **parts)
 
     def deployments(self) -> list[tuple[float, float]]:
@@ -247,20 +247,20 @@ def possible(track: Track) -> Track:
     kept: dict[str, Any] = {}
     notices = []
     if len(track.fixes) and not _FIRST < track.fixes.t[0] <= track.fixes.t[-1] < YET_TO_COME:
-        told = f"the times of its fixes are of the years from {1970.0 + track.fixes.t[0] / _YEAR:.0f} on"
+        notice = f"the times of its fixes are of the years from {1970.0 + track.fixes.t[0] / _YEAR:.0f} on"
         if track.fixes.t[-1] >= YET_TO_COME:
-            raise InputError([Problem(told, hint=hint)])
-        notices.append(f"{told}: they have no date that tides or the magnetic field could be known by")
+            raise InputError([Problem(notice, hint=hint)])
+        notices.append(f"{notice}: they have no date that tides or the magnetic field could be known by")
     for name, greatest in _GREATEST.items():
         read: Series = getattr(track, name)
         wrong = np.abs(read.values) > greatest
         if wrong.any():
-            told = f"{wrong.sum()} of {len(read)} readings of the {name} are impossible, such as"
-            told = f"{told} {read.values[wrong][0]:.6g}"
+            notice = f"{wrong.sum()} of {len(read)} readings of the {name} are impossible, such as"
+            notice = f"{notice} {read.values[wrong][0]:.6g}"
             if wrong.mean() > _MOST:
-                raise InputError([Problem(told, hint=hint)])
+                raise InputError([Problem(notice, hint=hint)])
             kept[name] = Series(read.t[~wrong], read.values[~wrong])
-            notices.append(f"{told}: left out")
+            notices.append(f"{notice}: left out")
     return replace(track, **kept, notices=(*track.notices, *notices))
 
 

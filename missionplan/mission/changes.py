@@ -111,8 +111,8 @@ def find_key(key: str, data: Mapping[str, object], model: type[BaseModel]) -> li
     if path[0] in keys_of(model):
         return [path]
     if len(path) > 1:
-        known = [*keys_of(model), *(each.key for each in written_phases(data))]
-        raise UnclearKeyError(key, "unknown key", did_you_mean(str(path[0]), known))
+        keys = [*keys_of(model), *(phase.key for phase in written_phases(data))]
+        raise UnclearKeyError(key, "unknown key", did_you_mean(str(path[0]), keys))
     return _alone(key, data, model)
 
 
@@ -135,8 +135,8 @@ def _effect_path(key: str, path: KeyPath, effects: object, at: int) -> KeyPath:
     for index, entry in enumerate(entries):
         if isinstance(entry, dict) and path[at] in entry:
             return (*path[:at], *(("effects",) if at > 1 else ()), index, *path[at:])
-    known = [name for entry in entries if isinstance(entry, dict) for name in entry]
-    hint = did_you_mean(str(path[at]), known) or f"it has {', '.join(known) or 'none'}"
+    names = [name for entry in entries if isinstance(entry, dict) for name in entry]
+    hint = did_you_mean(str(path[at]), names) or f"it has {', '.join(names) or 'none'}"
     raise UnclearKeyError(key, "the mission has no such effect", hint)
 
 
@@ -149,21 +149,21 @@ def _alone(key: str, data: Mapping[str, object], model: type[BaseModel]) -> list
     if len(groups) == 1:
         return groups[0]
     if not groups:
-        known = {str(path[-1]) for path in _paths_below(model, ())}
+        keys = {str(path[-1]) for path in _paths_below(model, ())}
         for kind in keys_of(PhaseEntry):
-            known |= set(fields_at((kind,), PhaseEntry))
-        raise UnclearKeyError(key, "unknown key", did_you_mean(key, sorted(known)))
+            keys |= set(fields_at((kind,), PhaseEntry))
+        raise UnclearKeyError(key, "unknown key", did_you_mean(key, sorted(keys)))
     meant = [_as_named(path, data) for group in groups for path in group]
     raise UnclearKeyError(key, f"could be {', '.join(meant)}", "name one of them")
 
 
 def _in_phases(key: str, data: Mapping[str, object]) -> dict[str, list[KeyPath]]:
     """Paths of a key in the phases that may have it, by the kind of phase."""
-    found: dict[str, list[KeyPath]] = {}
+    paths: dict[str, list[KeyPath]] = {}
     for phase in written_phases(data):
         if key in fields_at((phase.kind,), PhaseEntry):
-            found.setdefault(phase.kind, []).append((*phase.path, key))
-    return found
+            paths.setdefault(phase.kind, []).append((*phase.path, key))
+    return paths
 
 
 def _paths_below(model: type[BaseModel], path: KeyPath) -> Iterator[KeyPath]:

@@ -110,10 +110,10 @@ def nearest_file(path: Path, beside: Path | None = None) -> str:
     missing = path
     while missing.parent != missing and not missing.parent.is_dir():
         missing = missing.parent
-    told = missing if beside is None else Path(os.path.relpath(missing, beside))
-    folder = Path() if beside is None else told.parent
+    relative_path = missing if beside is None else Path(os.path.relpath(missing, beside))
+    folder = Path() if beside is None else relative_path.parent
     near = get_close_matches(missing.name, [entry.name for entry in missing.parent.glob("*")], n=1)
-    parts = [] if missing == path else [f"there is no folder {told}"]
+    parts = [] if missing == path else [f"there is no folder {relative_path}"]
     return "; ".join([*parts, *(f"did you mean {folder / name}?" for name in near)])
 
 
@@ -191,8 +191,8 @@ class _Builder:
             message = f"expands to more than {MAX_NODES} values (aliases of aliases?)"
             raise InputError([Problem(message, self.name, line)])
         self.marks.setdefault(path, (self.name, line))
-        known = self._scalars.yaml_constructors if isinstance(node, yaml.ScalarNode) else _COLLECTIONS
-        if node.tag not in known:
+        tags = self._scalars.yaml_constructors if isinstance(node, yaml.ScalarNode) else _COLLECTIONS
+        if node.tag not in tags:
             self.problems.append(Problem(f"the tag {node.tag} is not supported", self.name, line, key_path(path)))
             return None
         if isinstance(node, yaml.MappingNode):

@@ -83,9 +83,9 @@ def _include_reliability(data: dict[str, Any], files: "_Files", beside: Path) ->
         if not files.include(str(beside / name), path):
             del data["vehicle"]["reliability"]
     else:
-        known = sorted(each.stem for each in CLASSES.glob("*.yaml"))
-        message = f"given {shown(name)}, expected a list of hazards, a file of one, or {', '.join(known)}"
-        files.refuse(path, message, did_you_mean(name, known))
+        classes = sorted(file.stem for file in CLASSES.glob("*.yaml"))
+        message = f"given {shown(name)}, expected a list of hazards, a file of one, or {', '.join(classes)}"
+        files.refuse(path, message, did_you_mean(name, classes))
         del data["vehicle"]["reliability"]
 
 
@@ -108,11 +108,11 @@ def _resolve_site(site: dict[str, object], files: "_Files") -> None:
 
 def _resolve_current(current: dict[str, object], files: "_Files") -> None:
     """Resolve the path of a current's file, or of each member of an ensemble."""
-    path, given = ("site", "current", "file"), current.get("file")
-    if isinstance(given, str):
-        current["file"] = files.resolve_many(given, path) or given
-    elif isinstance(given, list):
-        names = [(name, (*path, index)) for index, name in enumerate(given)]
+    path, file = ("site", "current", "file"), current.get("file")
+    if isinstance(file, str):
+        current["file"] = files.resolve_many(file, path) or file
+    elif isinstance(file, list):
+        names = [(name, (*path, index)) for index, name in enumerate(file)]
         current["file"] = [(isinstance(name, str) and files.resolve_many(name, at)) or name for name, at in names]
 
 
@@ -150,11 +150,11 @@ class _Files:
         if target is None:
             return False
         try:
-            found = read_posterior(target, section, self.document.data.get("learned_from"))
+            posterior = read_posterior(target, section, self.document.data.get("learned_from"))
         except DamagedPosteriorError as error:
             self.refuse(("posterior", "file"), f"{section['file']} {error}", WITHOUT)
             return False
-        self.document.data["posterior"] = found
+        self.document.data["posterior"] = posterior
         return True
 
     def resolve_many(self, name: str, path: KeyPath) -> str | None:
@@ -176,17 +176,17 @@ class _Files:
 
     def resolve(self, name: str, path: KeyPath) -> Path | None:
         """Absolute path of a file that the document names at `path`; None where it may not be read."""
-        given = f"given {shown(name)}"
+        words = f"given {shown(name)}"
         if "\0" in name:
-            self.refuse(path, f"{given}; a file name cannot contain a null character")
+            self.refuse(path, f"{words}; a file name cannot contain a null character")
             return None
         target = real_path(self.folder / name)
         if not self.allow_outside and not target.is_relative_to(real_path(self.folder)):
-            message = f"{given}, which lies outside the mission file's folder"
+            message = f"{words}, which lies outside the mission file's folder"
             self.refuse(path, message, "allow_outside=True permits it")
             return None
         if not is_file(target):
-            self.refuse(path, f"{given}; there is no such file", nearest_file(target, real_path(self.folder)))
+            self.refuse(path, f"{words}; there is no such file", nearest_file(target, real_path(self.folder)))
             return None
         return target
 
@@ -229,20 +229,20 @@ def read_posterior(path: Path, section: Mapping[str, object], learned_from: obje
     Raises DamagedPosteriorError when it is damaged, beyond bounds, or not the one that the mission names.
     """
     content = _content(path)
-    own = sha256(content)
-    if own != section["sha256"]:
+    digest = sha256(content)
+    if digest != section["sha256"]:
         raise DamagedPosteriorError(
-            f"is damaged, or another mission's: its SHA-256 is {own[:12]}…, expected {str(section['sha256'])[:12]}…"
+            f"is damaged, or another mission's: its SHA-256 is {digest[:12]}…, expected {str(section['sha256'])[:12]}…"
         )
-    found = PosteriorFile(content)
-    _check_columns(found)
-    if found.learned_from != hash_of(learned_from):
+    posterior = PosteriorFile(content)
+    _check_columns(posterior)
+    if posterior.learned_from != hash_of(learned_from):
         raise DamagedPosteriorError("is another mission's: it was not learned from what `learned_from` lists")
-    if section.get("summary", found["summary"]) != found["summary"]:
+    if section.get("summary", posterior["summary"]) != posterior["summary"]:
         raise DamagedPosteriorError(
             "has another summary, which is for reading alone: an effect stated in `effects` goes before the draws"
         )
-    return found
+    return posterior
 
 
 def read_draws(path: Path) -> PosteriorFile:
@@ -271,14 +271,14 @@ def hash_of(learned_from: object) -> str:
     return sha256("\n".join(map(str, listed)).encode())
 
 
-def _check_columns(found: PosteriorFile) -> None:
+def _check_columns(posterior: PosteriorFile) -> None:
     """Refuse effects and values that the catalogue does not have."""
-    draws = found.draws
+    draws = posterior.draws
     for effect in draws.effects:
         if effect not in CATALOGUE:
             raise DamagedPosteriorError(f"has the effect {effect!r}, which is not in the catalogue")
-        own = [name for other, name in draws.columns if other == effect]
-        if set(own) - set(CATALOGUE[effect].parameters):
+        names = [name for other, name in draws.columns if other == effect]
+        if set(names) - set(CATALOGUE[effect].parameters):
             raise DamagedPosteriorError(f"has parameters that {effect} does not have")
     for effect, name in draws.columns:
         values, _ = draws.column((effect, name))

@@ -29,14 +29,14 @@ def not_handed_on(effects: Collection[str], learned: Sequence[Place], here: Plac
     `learned`: places all over the data. What is not known, of latitude, longitude [rad] and date [s since 1970], is
     taken to be the same.
     """
-    found = {}
+    reasons = {}
     for effect, lasts in _lasting(effects).items():
         away, ago = _nearest(learned, here, lasts)
         if away > REACH:
-            found[effect] = f"{effect} was learned {away / 1000.0:.0f} km away"
+            reasons[effect] = f"{effect} was learned {away / 1000.0:.0f} km away"
         elif ago > lasts:
-            found[effect] = f"{effect} was learned {ago / 86400.0:.0f} days before or after"
-    return found
+            reasons[effect] = f"{effect} was learned {ago / 86400.0:.0f} days before or after"
+    return reasons
 
 
 def still_alike(columns: Collection[Column], learned: Sequence[Place], here: Place) -> dict[str, float]:
@@ -45,21 +45,21 @@ def still_alike(columns: Collection[Column], learned: Sequence[Place], here: Pla
     That of a smooth field, a Gaussian of distance and time, and of what a record could not tell from it; places as of
     `not_handed_on`.
     """
-    found = {}
+    correlations = {}
     for effect, lasts in _lasting(dict.fromkeys(effect for effect, _ in columns if effect)).items():
         away, ago = _nearest(learned, here, lasts)
-        found[effect] = math.exp(-0.5 * ((away / REACH) ** 2 + (ago / lasts) ** 2))
+        correlations[effect] = math.exp(-0.5 * ((away / REACH) ** 2 + (ago / lasts) ** 2))
         kept = CATALOGUE[effect].kept_after
         if kept is not None:
             since = min(abs(float(np.nan_to_num(here[2] - place[2]))) for place in learned)
-            found[effect] *= kept([name for of, name in columns if of == effect], since)
-    return found
+            correlations[effect] *= kept([name for of, name in columns if of == effect], since)
+    return correlations
 
 
 def _nearest(learned: Sequence[Place], here: Place, lasts: float) -> tuple[float, float]:
     """Distance [m] and time [s] from the place of the data that is likest here; 0 where one is not known."""
     apart = [np.nan_to_num([_distance(place, here), abs(here[2] - place[2])]).tolist() for place in learned]
-    away, ago = min(apart, key=lambda each: (each[0] / REACH) ** 2 + (each[1] / lasts) ** 2)
+    away, ago = min(apart, key=lambda pair: (pair[0] / REACH) ** 2 + (pair[1] / lasts) ** 2)
     return away, ago
 
 
@@ -87,8 +87,8 @@ def left_behind(effects: EffectList, learned: Sequence[Place], here: Place) -> t
     if posterior is None or not gone:
         return effects, ()
     draws = posterior.held_as_seen.without(gone)
-    own = {entry.effect for entry in posterior.entries}
-    entries = tuple(entry for entry in effects_of_draws(draws) if entry.effect in own)
+    stated = {entry.effect for entry in posterior.entries}
+    entries = tuple(entry for entry in effects_of_draws(draws) if entry.effect in stated)
     kept = Learned(draws, entries, None if posterior.known is None else 0)
     notices = tuple(f"{words}, and is not handed on" for words in gone.values())
     return EffectList(tuple(kept if item is posterior else item for item in effects.items)), notices
@@ -127,8 +127,8 @@ def turned_effects(effects: EffectList, start: float, latitude: float) -> Effect
         if entry.epoch is None:
             return entry
         shifts = phase_shifts(entry.effect, start - entry.epoch, latitude)
-        own: Mapping[str, Quantity] = {n: _shifted(q, shifts.get(n, 0.0)) for n, q in entry.parameters.items()}
-        return replace(entry, parameters={**own, **{n: by for n, by in shifts.items() if n not in own}}, epoch=None)
+        sizes: Mapping[str, Quantity] = {n: _shifted(q, shifts.get(n, 0.0)) for n, q in entry.parameters.items()}
+        return replace(entry, parameters={**sizes, **{n: by for n, by in shifts.items() if n not in sizes}}, epoch=None)
 
     return effects.with_stated(turned)
 
@@ -170,8 +170,8 @@ class Series:
     def levels(self, ahead: float = math.nan, missions: float = 1.0) -> tuple[Levels, float]:
         """Return the level at any time in missions, and the time of a mission ahead; parameters as of `at_date`."""
         last = self.records[-MOST:]
-        times, then = in_missions([each.date for each in last], ahead, missions)
-        values, sds = (np.array([getattr(each, name) for each in last]) for name in ("value", "sd"))
+        times, then = in_missions([estimate.date for estimate in last], ahead, missions)
+        values, sds = (np.array([getattr(estimate, name) for estimate in last]) for name in ("value", "sd"))
         measured = Measured(times, values, sds, self.first, self.first_sd)
         info = CATALOGUE[self.of[0]]
         size, spike = info.parameters[self.of[1]].scale, info.parameters[self.of[1]].spike
@@ -182,18 +182,18 @@ class Series:
 
 def series_of(seen: Sequence[Seen]) -> dict[LevelKey, Series]:
     """Return what records have told of each level: each once, by their dates where all have one, else as they came."""
-    found = {}
-    for key in dict.fromkeys(each.of for each in seen):
-        own = [each for each in seen if each.of == key]
-        records = list({each.record: each for each in own if each.record}.values())
-        if all(math.isfinite(each.date) for each in records):
-            records.sort(key=lambda each: each.date)
+    series = {}
+    for key in dict.fromkeys(estimate.of for estimate in seen):
+        estimates = [estimate for estimate in seen if estimate.of == key]
+        records = list({estimate.record: estimate for estimate in estimates if estimate.record}.values())
+        if all(math.isfinite(estimate.date) for estimate in records):
+            records.sort(key=lambda estimate: estimate.date)
         if records and has_level(key):
-            before = next((each for each in own if not each.record), None)
+            before = next((estimate for estimate in estimates if not estimate.record), None)
             usual = CATALOGUE[key[0]].parameters[key[1]].scale
             first, sd = (0.0, usual) if before is None else (before.value, before.sd)
-            found[key] = Series(key, tuple(records), first, sd)
-    return found
+            series[key] = Series(key, tuple(records), first, sd)
+    return series
 
 
 def at_date(
@@ -211,11 +211,11 @@ def at_date(
     learned = effects.learned
     if learned is None:
         return effects
-    own = learned.as_seen
-    draws = faded(own if ahead is None else drifted(own, seen, ahead, missions), alike or {})
+    unaged = learned.as_seen
+    draws = faded(unaged if ahead is None else drifted(unaged, seen, ahead, missions), alike or {})
     stated = {entry.effect for entry in learned.entries}
-    entries: tuple[EffectEntry, ...] = tuple(each for each in effects_of_draws(draws) if each.effect in stated)
-    moved: Learned = Learned(draws, entries, unaged=own)
+    entries: tuple[EffectEntry, ...] = tuple(entry for entry in effects_of_draws(draws) if entry.effect in stated)
+    moved: Learned = Learned(draws, entries, unaged=unaged)
     moved = moved if learned.known is None else moved.knowing(learned.known)
     return EffectList(tuple(moved if item is learned else item for item in effects.items))
 
@@ -231,11 +231,11 @@ def drifted(draws: WeightedDraws, seen: Sequence[Seen], ahead: float, missions: 
     for key, series in series_of(seen).items():
         if key[:2] not in columns:
             continue
-        found, then = series.levels(ahead, missions)
-        last = [each.record for each in seen if each.of == key][-1]
-        told = [each.record for each in series.records[-MOST:]]
-        at = found.measured.times[told.index(last) if last in told else -1]
-        mean, sd = found.at(np.array([at, then]))
+        level, then = series.levels(ahead, missions)
+        last = [values.record for values in seen if values.of == key][-1]
+        records = [entry.record for entry in series.records[-MOST:]]
+        at = level.measured.times[records.index(last) if last in records else -1]
+        mean, sd = level.at(np.array([at, then]))
         shift, added = float(mean[1] - mean[0]), float(sd[1] ** 2 - sd[0] ** 2)
         for rows in _rows_of_sets(draws, columns[key[0], key[1]]):
             _move(columns, key, rows, draws.weights[rows], shift, added)
@@ -257,9 +257,9 @@ def faded(draws: WeightedDraws, alike: Mapping[str, float]) -> WeightedDraws:
         for kind in ("cosine", "sine") if name in dict(info.polar) else ("strength",):
             for rows in _rows_of_sets(draws, columns[effect, name]):
                 weights, key = draws.weights[rows], (effect, name, kind)
-                own = _coordinate(columns, key, rows)
-                mean = float(np.average(own, weights=weights))
-                variance = float(np.average(np.square(own - mean), weights=weights))
+                coordinate = _coordinate(columns, key, rows)
+                mean = float(np.average(coordinate, weights=weights))
+                variance = float(np.average(np.square(coordinate - mean), weights=weights))
                 _move(columns, key, rows, weights, (share - 1.0) * mean, (1.0 - share**2) * (wide - variance))
     return _with_columns(draws, columns)
 
@@ -305,8 +305,8 @@ def _move(
 ) -> None:
     """Move and widen one coordinate of some draws, by the shift of its mean and the variance that is added."""
     effect, name, kind = key
-    own, shares = _coordinate(columns, key, rows), weights / weights.sum()
-    moved = own + shift + _spread(own, shares, added, stream(0, f"level.{'.'.join(key)}", 0))
+    coordinate, shares = _coordinate(columns, key, rows), weights / weights.sum()
+    moved = coordinate + shift + _spread(coordinate, shares, added, stream(0, f"level.{'.'.join(key)}", 0))
     phase = dict(CATALOGUE[effect].polar).get(name)
     if phase is None:
         columns[effect, name][rows] = moved
@@ -316,16 +316,16 @@ def _move(
     columns[effect, name][rows], columns[effect, phase][rows] = np.hypot(cosine, sine), np.arctan2(sine, cosine)
 
 
-def _spread(own: Array, shares: Array, added: float, generator: np.random.Generator) -> Array:
+def _spread(coordinate: Array, shares: Array, added: float, generator: np.random.Generator) -> Array:
     """What widens draws by a variance that is independent of all else, or narrows them by one.
 
-    `own`, `shares`, shape (n,): draws, and their weights, whose sum is 1.
+    `coordinate`, `shares`, shape (n,): draws, and their weights, whose sum is 1.
     """
-    apart = own - shares @ own
+    apart = coordinate - shares @ coordinate
     variance = float(shares @ np.square(apart))
     if added <= 0.0 or not variance > 0.0:
         share = max(1.0 + added / variance, LEAST_SPREAD**2) if variance > 0.0 else 1.0
         return np.asarray((math.sqrt(share) - 1.0) * apart)
-    normals = generator.standard_normal(len(own))
+    normals = generator.standard_normal(len(coordinate))
     normals -= shares @ normals + apart * (shares @ (apart * normals)) / variance
     return np.asarray(normals * math.sqrt(added / float(shares @ np.square(normals))))

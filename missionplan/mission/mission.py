@@ -252,8 +252,8 @@ class Mission(Sections[V], Generic[V]):
         InputError
             When one of the files can no longer be read.
         """
-        found = with_contents(self.raw, self.site.files if self.site else ())
-        return found if self.posterior is None else {**found, POSTERIOR: self.posterior["sha256"]}
+        contents = with_contents(self.raw, self.site.files if self.site else ())
+        return contents if self.posterior is None else {**contents, POSTERIOR: self.posterior["sha256"]}
 
     def mapped(self, change: Callable[[str, Any], _New]) -> "Mission[_New]":
         """Return the mission with every quantity changed.
@@ -288,15 +288,15 @@ class Mission(Sections[V], Generic[V]):
 
         Those of a section that mission and vehicle share are named as the mission's: ``energy.hotel``.
         """
-        found: dict[str, V] = {}
+        quantities: dict[str, V] = {}
 
         def note(name: str, value: Any) -> Any:
             if name_in_force(name) == name:
-                found[name] = value
+                quantities[name] = value
             return value
 
         self.mapped(note)
-        return found
+        return quantities
 
     def notices(self: "Mission") -> tuple[str, ...]:
         """Return a note for each unusual value, distribution cut at its physical range, and plug-in left out."""

@@ -59,8 +59,8 @@ def named_phase(path: str, names: Iterable[str], *, with_sections: bool = True) 
 
 def resolved_path(path: str, names: Sequence[str], *, with_sections: bool = True) -> str:
     """Return a key path that a person writes by a phase's name, with what stands for the phase; see `named_phase`."""
-    found = named_phase(path, names, with_sections=with_sections)
-    return path if found is None else f"{phase_keys(names)[names.index(found[0])]}.{found[1]}"
+    named = named_phase(path, names, with_sections=with_sections)
+    return path if named is None else f"{phase_keys(names)[names.index(named[0])]}.{named[1]}"
 
 
 class WrittenPhase(NamedTuple):
@@ -80,13 +80,13 @@ class WrittenPhase(NamedTuple):
 def written_phases(data: Mapping[str, object]) -> list[WrittenPhase]:
     """List the phases of a mission file's data that have keys."""
     entries = data.get("phases")
-    found = [
+    pairs = [
         (("phases", number, str(kind)), section if isinstance(section, Mapping) else {})
         for number, entry in enumerate(entries if isinstance(entries, list | tuple) else ())
         for kind, section in (entry.items() if isinstance(entry, Mapping) else ())
     ]
-    names = [str(section.get("name", path[-1])) for path, section in found]
-    return [WrittenPhase(key, name, *each) for key, name, each in zip(phase_keys(names), names, found, strict=True)]
+    names = [str(section.get("name", path[-1])) for path, section in pairs]
+    return [WrittenPhase(key, name, *pair) for key, name, pair in zip(phase_keys(names), names, pairs, strict=True)]
 
 
 def phase_of_path(path: str, data: Mapping[str, object]) -> tuple[WrittenPhase, str] | None:
@@ -95,13 +95,13 @@ def phase_of_path(path: str, data: Mapping[str, object]) -> tuple[WrittenPhase, 
     The phase is written by its name, by what stands for it, or by its place with its kind (``phases[1].transit``).
     """
     phases = written_phases(data)
-    named = named_phase(path, [each.name for each in phases])
+    named = named_phase(path, [phase.name for phase in phases])
     if named is not None:
-        return next(each for each in phases if each.name == named[0]), named[1]
-    for each in phases:
-        for start in (f"{key_path(each.path)}.", f"{each.key}.", f"phases[{each.path[1]}]."):
+        return next(phase for phase in phases if phase.name == named[0]), named[1]
+    for phase in phases:
+        for start in (f"{key_path(phase.path)}.", f"{phase.key}.", f"phases[{phase.path[1]}]."):
             if path.startswith(start):
-                return each, path.removeprefix(start)
+                return phase, path.removeprefix(start)
     return None
 
 
@@ -155,17 +155,17 @@ class ValueInForce:
     """What the vehicle file says, where the mission's value goes before it; else None."""
 
     def __str__(self) -> str:
-        given = "none" if self.value is None else _in_words(self.value)
+        words = "none" if self.value is None else _in_words(self.value)
         instead = "" if self.overridden is None else f", not the vehicle's {_in_words(self.overridden)}"
-        return f"{key_path(self.path)}: {given} ({self.source}{instead})"
+        return f"{key_path(self.path)}: {words} ({self.source}{instead})"
 
 
 def joined(mission: _Shared | None, vehicle: _Shared | None) -> _Shared | None:
     """Return the section in force: the mission's keys, then the vehicle's, then the defaults."""
     if mission is None or vehicle is None:
         return mission or vehicle
-    own = {key: getattr(mission, key) for key in mission.model_fields_set}
-    return vehicle.model_copy(update={key: value for key, value in own.items() if value is not None})
+    values = {key: getattr(mission, key) for key in mission.model_fields_set}
+    return vehicle.model_copy(update={key: value for key, value in values.items() if value is not None})
 
 
 def values_in_force(data: Mapping[str, object]) -> Iterator[ValueInForce]:
@@ -226,6 +226,6 @@ def _written(data: object, name: str) -> Mapping[str, object] | None:
 
 def default_of(field: FieldInfo) -> object:
     """Return a field's default as one would write it."""
-    parsers = [each.read for each in field.metadata if isinstance(each, ReadBy)]
+    parsers = [annotation.read for annotation in field.metadata if isinstance(annotation, ReadBy)]
     unit = next((read.unit for read in parsers if isinstance(read, QuantityParser)), "")
     return f"{field.default:g} {unit}" if unit and isinstance(field.default, float) else field.default

@@ -66,13 +66,13 @@ def _item(item: object, path: KeyPath) -> EffectEntry | OneOf:
         if not isinstance(value, list) or not value:
             raise QuantityError("expected a list of explanations, each {probability, effects}", (ONE_OF,))
         place = f"{key_path(path)}.{ONE_OF}"
-        found = each_read(
+        explanations = each_read(
             value, lambda number, item: _explanation(item, (*path, ONE_OF, number), (place, (number,))), (ONE_OF,)
         )
-        total = sum(each.probability for each in found)
+        total = sum(explanation.probability for explanation in explanations)
         if total > 1.0 + ROUNDING:
             raise QuantityError(f"the probabilities sum to {total:.6g}, expected at most 1", (ONE_OF,))
-        return OneOf(place, tuple(found))
+        return OneOf(place, tuple(explanations))
     return replace(_entry(item), path=path)
 
 
@@ -85,12 +85,12 @@ def _explanation(item: object, path: KeyPath, explanation: tuple[str, tuple[int,
         if key not in _EXPLANATION
     ]
     problems += [LocalProblem((key,), "missing") for key in _EXPLANATION[:2] if key not in item]
-    probability = _read(problems, item, "probability", lambda given: mean_of(_PROBABILITY.parse(given))) or 0.0
-    entries = _read(problems, item, "effects", lambda given: _held(given, (*path, "effects"), explanation)) or ()
+    probability = _read(problems, item, "probability", lambda value: mean_of(_PROBABILITY.parse(value))) or 0.0
+    entries = _read(problems, item, "effects", lambda value: _held(value, (*path, "effects"), explanation)) or ()
     names = {f"{entry.effect}.{name}": value for entry in entries for name, value in entry.parameters.items()}
     correlations: tuple[Correlation, ...] = ()
     if entries:
-        correlations = _read(problems, item, "correlations", lambda given: _correlations(given, names)) or ()
+        correlations = _read(problems, item, "correlations", lambda value: _correlations(value, names)) or ()
     if problems:
         raise QuantityError(problems)
     return Explanation(probability, entries, correlations)
@@ -113,15 +113,15 @@ def _held(value: object, path: KeyPath, explanation: tuple[str, tuple[int, ...]]
     """Read the effects of an explanation."""
     if not isinstance(value, list) or not value:
         raise QuantityError(f"expected a list of effects, {_EACH}")
-    known: set[str] = set()
+    effects: set[str] = set()
 
     def read(index: int, item: object) -> EffectEntry:
         if isinstance(item, Mapping) and ONE_OF in item:
             raise QuantityError("an explanation cannot hold explanations; write each combination", (ONE_OF,))
         entry = _entry(item)
-        if entry.effect in known:
+        if entry.effect in effects:
             raise QuantityError("this explanation has the effect already", (entry.effect,))
-        known.add(entry.effect)
+        effects.add(entry.effect)
         return replace(entry, path=(*path, index), explanation=explanation)
 
     return tuple(each_read(value, read))
@@ -131,10 +131,10 @@ def _correlations(value: object, parameters: Mapping[str, Quantity]) -> tuple[Co
     """Read the correlations of an explanation's parameters."""
     if not isinstance(value, list):
         raise QuantityError(f"given {shown(value)}, expected a list of {_PAIR}")
-    found = each_read(value, lambda _, item: _correlation(item))
-    if problems := correlation_problems(parameters, found):
+    correlations = each_read(value, lambda _, item: _correlation(item))
+    if problems := correlation_problems(parameters, correlations):
         raise QuantityError(problems)
-    return tuple(found)
+    return tuple(correlations)
 
 
 def _correlation(item: object) -> Correlation:
@@ -156,17 +156,17 @@ def _entry(item: object) -> EffectEntry:
     """
     if not isinstance(item, Mapping) or len(item) != 1 or not isinstance(next(iter(item.values())), Mapping):
         raise QuantityError("expected one effect in each item, as `effect-id: {parameter: quantity}`")
-    ((effect, given),) = item.items()
+    ((effect, section),) = item.items()
     if effect not in CATALOGUE:
         hint = did_you_mean(str(effect), [*CATALOGUE, ONE_OF], before="; ")
         raise QuantityError(f"no effect of that name{hint}", (effect,))
     problems: list[LocalProblem] = []
     has_epoch = CATALOGUE[effect].frequency_of is not None
-    epoch = _read(problems, given, EPOCH, _date) if has_epoch else None
+    epoch = _read(problems, section, EPOCH, _date) if has_epoch else None
     parameters: dict[str, Quantity] = {}
-    for name in given:
+    for name in section:
         if name != EPOCH or not has_epoch:
-            value = _read(problems, given, name, partial(_parameter, effect, name))
+            value = _read(problems, section, name, partial(_parameter, effect, name))
             parameters |= {} if value is None else {name: value}
     if problems:
         raise QuantityError([problem.within((effect,)) for problem in problems])
@@ -182,11 +182,11 @@ def _date(text: object) -> float:
 
 
 def _parameter(effect: str, name: str, text: object) -> Quantity:
-    known = CATALOGUE[effect].parameters
-    if name not in known:
-        hint = did_you_mean(str(name), known, before="; ")
-        raise QuantityError(f"{effect} has no such parameter; it has {', '.join(known)}{hint}")
-    return QuantityParser(known[name].unit, low=known[name].low, high=known[name].high).parse(text)
+    parameters = CATALOGUE[effect].parameters
+    if name not in parameters:
+        hint = did_you_mean(str(name), parameters, before="; ")
+        raise QuantityError(f"{effect} has no such parameter; it has {', '.join(parameters)}{hint}")
+    return QuantityParser(parameters[name].unit, low=parameters[name].low, high=parameters[name].high).parse(text)
 
 
 MOST_LEARNED = 5000

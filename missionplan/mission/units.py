@@ -97,22 +97,22 @@ def each_read(items: Iterable[_Item], read: Callable[[int, _Item], _Read], below
 
     Raises QuantityError with the problems of all that are wrong, at their numbers below a key path.
     """
-    found: list[_Read] = []
+    results: list[_Read] = []
     problems: list[LocalProblem] = []
     for index, item in enumerate(items):
         try:
-            found.append(read(index, item))
+            results.append(read(index, item))
         except QuantityError as error:
             problems += [problem.within((*below, index)) for problem in error.problems]
     if problems:
         raise QuantityError(problems)
-    return found
+    return results
 
 
 def number_and_unit(text: object) -> tuple[str, str] | None:
     """Return number and unit of a text as they are written, "" for no unit; None where it is something else."""
-    found = _NUMBER_AND_UNIT.fullmatch(text) if isinstance(text, str) else None
-    return (found[1], found[2] or "") if found else None
+    match = _NUMBER_AND_UNIT.fullmatch(text) if isinstance(text, str) else None
+    return (match[1], match[2] or "") if match else None
 
 
 @lru_cache(maxsize=1)
@@ -163,10 +163,10 @@ def _as_float(value: float) -> float:
 
 
 def _convert(number: float, name: str, unit: str, difference: bool) -> float:
-    known = factor(name, unit)
-    if known is None and dimension_of(name) not in (None, dimension_of(unit)):
+    scale = factor(name, unit)
+    if scale is None and dimension_of(name) not in (None, dimension_of(unit)):
         raise _other_kind(number, name, unit)
-    result = number * known if known is not None else _convert_by_pint(number, name, unit, difference)
+    result = number * scale if scale is not None else _convert_by_pint(number, name, unit, difference)
     if not _is_sensible(result):
         raise QuantityError(f"given {number:g} {name}, expected {_SENSIBLE} {unit}")
     return result
@@ -185,10 +185,10 @@ def _known(unit: str) -> dict[str, str]:
 
 def _nearest(name: str, unit: str) -> str:
     """Return a hint at the unit that was probably meant, else at some of the usual ones."""
-    known = _known(unit)
-    close = get_close_matches(name.casefold(), known, n=1)
+    names = _known(unit)
+    close = get_close_matches(name.casefold(), names, n=1)
     if close:
-        return f"did you mean {known[close[0]]}?"
+        return f"did you mean {names[close[0]]}?"
     one_name_each: dict[float, str] = {}
     for other, size in FACTORS.get(unit, {unit: 1.0}).items():
         one_name_each.setdefault(size, other)
@@ -208,13 +208,13 @@ def _convert_by_pint(number: float, name: str, unit: str, difference: bool) -> f
         raise QuantityError(f"given {shown(name)}, which is not a unit")
     registry = _registry()
     try:
-        given = registry.parse_units(name)
+        pint_unit = registry.parse_units(name)
     except pint.UndefinedUnitError as error:
         raise QuantityError(f"given the unit {shown(name)}, which is not known; {_nearest(name, unit)}") from error
     except Exception as error:  # pint and its tokenizer raise many kinds for what is no expression of units
         raise QuantityError(f"given {shown(name)}, which is not a unit; {_nearest(name, unit)}") from error
-    if given.dimensionality != registry.parse_units(unit).dimensionality:
+    if pint_unit.dimensionality != registry.parse_units(unit).dimensionality:
         raise _other_kind(number, name, unit)
     if difference and unit == "degC":
-        given, unit = registry.parse_units(name.replace("deg", "delta_deg")), "delta_degC"
-    return float(registry.Quantity(number, given).to(unit).magnitude)
+        pint_unit, unit = registry.parse_units(name.replace("deg", "delta_deg")), "delta_degC"
+    return float(registry.Quantity(number, pint_unit).to(unit).magnitude)

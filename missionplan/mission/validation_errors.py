@@ -24,9 +24,9 @@ def fields_at(path: KeyPath, model: type[BaseModel]) -> dict[str, FieldInfo]:
         if isinstance(part, int) or names_follow:  # an item of a list, or a name of the user's own
             names_follow = False
             continue
-        found = [field for section in current if (field := keys_of(section).get(part)) is not None]
-        current = [section for field in found for section in sections_in(field.annotation)]
-        names_follow = any(get_origin(field.annotation) is Mapping for field in found)
+        fields = [field for section in current if (field := keys_of(section).get(part)) is not None]
+        current = [section for field in fields for section in sections_in(field.annotation)]
+        names_follow = any(get_origin(field.annotation) is Mapping for field in fields)
     return {name: field for section in reversed(current) for name, field in keys_of(section).items()}
 
 
@@ -50,7 +50,7 @@ def sections_in(annotation: object) -> Iterator[type[BaseModel]]:
 
 def meaning_of(field: FieldInfo) -> str:
     """What the key of a field means, in a few words; empty where its section says so."""
-    return next((each.documentation for each in field.metadata if isinstance(each, Doc)), "")
+    return next((annotation.documentation for annotation in field.metadata if isinstance(annotation, Doc)), "")
 
 
 def parsers_of(field: FieldInfo) -> list[QuantityParser]:
@@ -102,9 +102,9 @@ def validation_problems(error: ValidationError, document: Document, model: type[
         elif detail["type"] == "missing":
             missing.append(path)
         elif detail["type"] == "extra_forbidden":
-            known = list(fields_at(path[:-1], model))
-            meant = next(iter(get_close_matches(str(path[-1]), known, n=1)), "")
-            near = f"did you mean {meant}?" if meant else f"known here: {', '.join(known)}"
+            keys = list(fields_at(path[:-1], model))
+            meant = next(iter(get_close_matches(str(path[-1]), keys, n=1)), "")
+            near = f"did you mean {meant}?" if meant else f"known here: {', '.join(keys)}"
             problems.append(document.problem(path, "unknown key", near))
             mistyped.add((*path[:-1], meant))
         else:

@@ -81,8 +81,8 @@ class MooringMission(Generic[V]):
             raise InputError(problems)
         if site is None or site.water is None:
             raise InputError(problems)
-        known = math.nan if site.depth is None else site.depth
-        return MooringMission(mission, vehicle, vehicle.mass, vehicle.anchor, site, known)
+        site_depth = math.nan if site.depth is None else site.depth
+        return MooringMission(mission, vehicle, vehicle.mass, vehicle.anchor, site, site_depth)
 
     def mooring(self, name: str | None = None) -> MoorPhase[V]:
         """Return the mooring of that name, by default the first; InputError where there is none."""
@@ -164,9 +164,9 @@ def _missing(mission: Mission[object], reason: str, needed: Mapping[str, object]
 
 def _named(phases: tuple[_Phase, ...], name: str | None, kind: str) -> _Phase:
     """Return the phase of that name, by default the first."""
-    found = {phase.name: phase for phase in phases} | {phase.label: phase for phase in phases}
+    choices = {phase.name: phase for phase in phases} | {phase.label: phase for phase in phases}
     if name is None:
         return phases[0]
-    if name not in found:
-        raise InputError([Problem(f"given {name!r}, expected {kind}: {', '.join(found)}", key="phase")])
-    return found[name]
+    if name not in choices:
+        raise InputError([Problem(f"given {name!r}, expected {kind}: {', '.join(choices)}", key="phase")])
+    return choices[name]

@@ -94,8 +94,8 @@ class _Editor:
                 raise _CannotEditError
             end = self._line_end(self._end(value))
             self._note(*((start - 1, end) if start else (0, min(end + 1, len(self.text)))), "")
-        given = {inner.value for inner, _ in node.value}
-        self._append(node, [(name, value) for name, value in data.items() if name not in given], in_flow=in_flow)
+        names = {inner.value for inner, _ in node.value}
+        self._append(node, [(name, value) for name, value in data.items() if name not in names], in_flow=in_flow)
 
     def applied(self) -> str:
         """Return the text with the edits made."""
@@ -108,8 +108,8 @@ class _Editor:
 
     def _holds(self, node: yaml.Node, data: object) -> bool:
         is_scalar = isinstance(node, yaml.ScalarNode)
-        held = self._loader.construct_object(node) if is_scalar else self._loader.construct_document(node)
-        return type(held) is type(data) and held == data
+        value = self._loader.construct_object(node) if is_scalar else self._loader.construct_document(node)
+        return type(value) is type(data) and value == data
 
     def _note(self, start: int, end: int, new: str) -> None:
         if self._edits.setdefault((start, end), new) != new:
@@ -209,28 +209,28 @@ class MissionText:
         new = copy.deepcopy(dict(data))
         stays = folder is None or folder.resolve() == self.folder.resolve()
         self._name_current(new, folder or self.folder, stays=stays)
-        own = new.get(_POSTERIOR)
-        if isinstance(own, PosteriorFile):
-            kept = self.keeps_draws(own, folder or self.folder)
-            new[_POSTERIOR] = self.written[_POSTERIOR] if kept else dict(own)
+        part = new.get(_POSTERIOR)
+        if isinstance(part, PosteriorFile):
+            kept = self.keeps_draws(part, folder or self.folder)
+            new[_POSTERIOR] = self.written[_POSTERIOR] if kept else dict(part)
         if self.vehicle is None or not isinstance(new.get(_VEHICLE), Mapping):
             return edited(self.text, new)
         name, vehicle = self.written[_VEHICLE], new[_VEHICLE]
         if stays and vehicle == self.vehicle:
             return edited(self.text, {**new, _VEHICLE: name})
-        own = edited(self.vehicle_text, vehicle)  # stands in the place of the name of its file
+        part = edited(self.vehicle_text, vehicle)  # stands in the place of the name of its file
         text = edited(self.text, {**new, _VEHICLE: name})
         for key_node, value in _composed(text).value:
             if key_node.value == _VEHICLE:
                 start = text.index(":", key_node.end_mark.index) + 1
                 rest, newline, below = text[value.end_mark.index :].partition("\n")
-                return text[:start] + rest + "\n" + textwrap.indent(own.strip("\n"), "  ") + newline + below
+                return text[:start] + rest + "\n" + textwrap.indent(part.strip("\n"), "  ") + newline + below
         return text
 
-    def keeps_draws(self, own: PosteriorFile | None, folder: Path) -> bool:
+    def keeps_draws(self, posterior: PosteriorFile | None, folder: Path) -> bool:
         """Whether a mission written into a folder finds its draws where the file that it was read from has them."""
         before = self.written.get(_POSTERIOR) if folder.resolve() == self.folder.resolve() else None
-        return own is not None and isinstance(before, Mapping) and before.get("sha256") == own["sha256"]
+        return posterior is not None and isinstance(before, Mapping) and before.get("sha256") == posterior["sha256"]
 
     def _name_current(self, data: dict[str, object], folder: Path, *, stays: bool) -> None:
         """Name the file of the current as before, else relative to the folder where it lies in it."""

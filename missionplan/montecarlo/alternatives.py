@@ -80,10 +80,10 @@ def paired_difference(
 
 def pareto_front(costs: NDArray[np.float64]) -> NDArray[np.bool_]:
     """Return which no other beats: costs, shape (k, m), as low in each and lower in one; nan is never one of them."""
-    known = np.asarray(np.isfinite(costs).all(axis=1))
-    front = np.array(known)
-    for index in np.flatnonzero(known):
-        no_higher = (costs <= costs[index]).all(axis=1) & known
+    is_finite = np.asarray(np.isfinite(costs).all(axis=1))
+    front = np.array(is_finite)
+    for index in np.flatnonzero(is_finite):
+        no_higher = (costs <= costs[index]).all(axis=1) & is_finite
         front[index] = not np.any(no_higher & (costs < costs[index]).any(axis=1))
     return front
 
@@ -136,9 +136,9 @@ class Kriging:
                 for step in (-1.0, 1.0) if index < log.size - 1 else (-2.0, 2.0):
                     moved = log.copy()
                     moved[index] = min(max(log[index] + step, low[index]), high[index])
-                    found, own = cls._with(places, axis, values, moved)
-                    if own > likelihood + 1e-9:
-                        best, likelihood, log = found, own, moved
+                    surface, log_likelihood = cls._with(places, axis, values, moved)
+                    if log_likelihood > likelihood + 1e-9:
+                        best, likelihood, log = surface, log_likelihood, moved
             if likelihood <= before:
                 break
         return best
@@ -148,8 +148,8 @@ class Kriging:
         """Return the surface with given logarithms of lengths and nugget, and its log-likelihood."""
         lengths, nugget = 2.0 ** log[:-1], float(2.0 ** log[-1])
         centre, scale = float(values.mean()), max(float(values.std()), 1e-12)
-        own = _covariance(places / lengths[axis], places / lengths[axis]) + nugget * np.eye(len(values))
-        factor = scipy.linalg.cholesky(own, lower=True)
+        covariance = _covariance(places / lengths[axis], places / lengths[axis]) + nugget * np.eye(len(values))
+        factor = scipy.linalg.cholesky(covariance, lower=True)
         standard = (values - centre) / scale
         weights = scipy.linalg.cho_solve((factor, True), standard)
         likelihood = -0.5 * float(standard @ weights) - float(np.log(np.diag(factor)).sum())

@@ -51,13 +51,13 @@ class Workers:
         if self.jobs == 0 or self.jobs < -1:
             message = f"given {self.jobs}, expected a positive number, or -1 for every core"
             raise InputError([Problem(message, key="jobs")])
-        told, total = self.progress, len(items)
-        if told is not None:
-            told(0, total)
+        progress, total = self.progress, len(items)
+        if progress is not None:
+            progress(0, total)
         with closing(self._results(task, items)) as results:
             for done, result in enumerate(results, start=1):
-                if told is not None:
-                    told(done, total)
+                if progress is not None:
+                    progress(done, total)
                 yield result
 
     def _results(self, task: Callable[[Item], Result], items: Sequence[Item]) -> Generator[Result, None, None]:
@@ -125,14 +125,14 @@ class _PoolRun(Generic[Item, Result]):
         """Begin the next item, or the first again that the pool was given before it started."""
         if self._todo and len(self._begun) < _MAX_PENDING:
             self._begun.append((self._todo.popleft(), Future()))
-            own = self._begun[-1]
+            pair = self._begun[-1]
             # submit items to the pool: one per worker, and once the workers have started another that waits
             self._in_pool = [future for future in self._in_pool if not future.done()]
             wanted = self._workers * (2 if self._started.done() else 1) - len(self._in_pool)
             for item in [self._todo.popleft() for _ in range(min(wanted, len(self._todo)))]:
                 self._in_pool.append(self._executor.submit(self._shipped, item))
                 self._begun.append((item, self._in_pool[-1]))
-            return own
+            return pair
         if self._started.done():
             return None
         self._begun[0] = self._begun[0][0], Future()

@@ -67,15 +67,15 @@ class _Proven(Generic[Item, Result]):
 
     def __call__(self, item: Item) -> Result:
         """Run the task on an item."""
-        if (found := running_program()) != self.expected:
+        if (build := running_program()) != self.expected:
             worker = import_module("distributed").get_worker().address
-            raise InputError([_other_code(worker, found, self.expected)])
+            raise InputError([_other_code(worker, build, self.expected)])
         return self.task(item)
 
 
-def _other_code(worker: str, found: Program, expected: Program) -> Problem:
-    differ = "; ".join(differences(found.parts(), expected.parts()))
-    message = f"the worker {worker} runs missionplan {found.version} with other code ({differ}): install the same there"
+def _other_code(worker: str, build: Program, expected: Program) -> Problem:
+    differ = "; ".join(differences(build.parts(), expected.parts()))
+    message = f"the worker {worker} runs missionplan {build.version} with other code ({differ}): install the same there"
     return Problem(message, key="scheduler")
 
 
@@ -97,20 +97,20 @@ def _check_workers(client: "Client", place: str) -> None:
         words = str(error).splitlines()[0] if str(error) else ""
         message = f"the Dask scheduler at {place} cannot run missionplan: {type(error).__name__}: {words}"
         raise InputError([Problem(message, key="scheduler")]) from error
-    for worker, found in client.run(running_program, on_error="return").items():
-        if isinstance(found, BaseException):
-            message = f"the worker {worker} cannot run missionplan: {type(found).__name__}: {found}"
+    for worker, answer in client.run(running_program, on_error="return").items():
+        if isinstance(answer, BaseException):
+            message = f"the worker {worker} cannot run missionplan: {type(answer).__name__}: {answer}"
             wrong.append(Problem(message, key="scheduler"))
-        elif found != expected:
-            wrong.append(_other_code(worker, found, expected))
+        elif answer != expected:
+            wrong.append(_other_code(worker, answer, expected))
     if wrong:
         raise InputError(wrong)
 
 
 def _threads(client: "Client") -> dict[str, int]:
     """Return the number of threads of each worker, by its address."""
-    found: dict[str, int] = client.nthreads()  # type: ignore[no-untyped-call]
-    return found
+    threads: dict[str, int] = client.nthreads()  # type: ignore[no-untyped-call]
+    return threads
 
 
 def _result(future: "Future[Result]", client: "Client", place: str) -> Result:

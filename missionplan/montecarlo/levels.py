@@ -99,8 +99,8 @@ class _Models:
     @property
     def likely(self) -> "_Models":
         """Those that are not far below the best."""
-        own = self.log_weights > self.log_weights.max() - APART
-        return _Models(*(each[own] for each in vars(self).values()))
+        is_likely = self.log_weights > self.log_weights.max() - APART
+        return _Models(*(values[is_likely] for values in vars(self).values()))
 
 
 @dataclass(frozen=True)
@@ -126,12 +126,12 @@ class Levels:
 
         At the time of a measurement it is the value that was measured, else that of a mission yet unseen.
         """
-        own = self.measured
-        across = _covariance(times, own.times, own, self.ageing, self.models)
-        across = across + self.models.redrawn[:, None, None] * (times[:, None] == own.times)
+        measured = self.measured
+        across = _covariance(times, measured.times, measured, self.ageing, self.models)
+        across = across + self.models.redrawn[:, None, None] * (times[:, None] == measured.times)
         gain = across @ self._inverse
-        mean = own.first + gain @ (own.values - own.first)
-        before = _covariance(times, times, own, self.ageing, self.models)
+        mean = measured.first + gain @ (measured.values - measured.first)
+        before = _covariance(times, times, measured, self.ageing, self.models)
         alone = np.diagonal(before, axis1=1, axis2=2) + self.models.redrawn[:, None]
         return np.asarray(mean), np.asarray(np.maximum(alone - np.sum(gain * across, axis=2), 1e-300))
 
@@ -148,34 +148,34 @@ class Levels:
     @property
     def trend(self) -> tuple[float, float, float]:
         """Trend a mission, its standard deviation, and the probability that there is one of this sign."""
-        own, models = self.measured, self.models
-        since = own.times - own.times[0]
+        measured, models = self.measured, self.models
+        since = measured.times - measured.times[0]
         gain = np.einsum("m,j,mjk->mk", models.trend, since, self._inverse)
-        means = gain @ (own.values - own.first)
+        means = gain @ (measured.values - measured.first)
         variances = np.maximum(models.trend * (1.0 - gain @ since), 0.0)
-        held = models.trend > 0.0
-        share = self.weights * held
+        has_trend = models.trend > 0.0
+        share = self.weights * has_trend
         if not share.sum() > 0.0:
             return 0.0, 0.0, 0.0
         mean, sd = _mixed(share / share.sum(), means[:, None], variances[:, None])
         side = math.copysign(1.0, mean[0])
-        towards = scipy.special.ndtr(side * means[held] / np.sqrt(np.maximum(variances[held], 1e-300)))
-        return float(mean[0]), float(sd[0]), float(share[held] @ towards)
+        towards = scipy.special.ndtr(side * means[has_trend] / np.sqrt(np.maximum(variances[has_trend], 1e-300)))
+        return float(mean[0]), float(sd[0]), float(share[has_trend] @ towards)
 
 
 def levels(measured: Measured, ageing: Ageing) -> Levels:
     """Weigh all ways in which a level may have gone, given its measurements."""
     n = len(measured.times)
-    sets, found = np.zeros((1, n), dtype=bool), [_weighed(measured, ageing, np.zeros((1, n), dtype=bool))]
+    sets, families = np.zeros((1, n), dtype=bool), [_weighed(measured, ageing, np.zeros((1, n), dtype=bool))]
     for _ in range(min(MOST_JUMPS, n - 1) if ageing.is_jump > 0.0 else 0):
-        logs = np.logaddexp.reduce(found[-1].log_weights.reshape(len(sets), -1), axis=1)
+        logs = np.logaddexp.reduce(families[-1].log_weights.reshape(len(sets), -1), axis=1)
         sets = _with_one_more(np.asarray(sets[np.argsort(-logs)[:KEPT]]), measured.begins)
         if not len(sets):
             break
-        found.append(_weighed(measured, ageing, sets))
-        if found[-1].log_weights.max() < max(each.log_weights.max() for each in found) - APART:
+        families.append(_weighed(measured, ageing, sets))
+        if families[-1].log_weights.max() < max(family.log_weights.max() for family in families) - APART:
             break
-    models = _Models(*map(np.concatenate, zip(*(vars(each).values() for each in found), strict=True)))
+    models = _Models(*map(np.concatenate, zip(*(vars(family).values() for family in families), strict=True)))
     return Levels(measured, ageing, models.likely)
 
 
@@ -192,22 +192,22 @@ def _weighed(measured: Measured, ageing: Ageing, sets: NDArray[np.bool_]) -> _Mo
     chances = scipy.special.xlogy(jumped, ageing.is_jump) + could * math.log1p(-ageing.is_jump)
     log_priors = np.repeat(chances, count) + np.tile(priors, len(sets))
     redrawn, walk, trend = np.tile(variances, len(sets))
-    each = _Models(log_priors, redrawn, walk, trend, np.repeat(sets, count, axis=0))
-    factor = np.linalg.cholesky(_of_measurements(measured, ageing, each))
+    models = _Models(log_priors, redrawn, walk, trend, np.repeat(sets, count, axis=0))
+    factor = np.linalg.cholesky(_of_measurements(measured, ageing, models))
     white = np.linalg.solve(factor, np.broadcast_to((measured.values - measured.first)[:, None], (len(factor), n, 1)))
     logs = np.log(np.diagonal(factor, axis1=1, axis2=2)).sum(axis=1)
     evidence = -0.5 * np.square(white).sum(axis=(1, 2)) - logs
-    return replace(each, log_weights=log_priors + evidence)
+    return replace(models, log_weights=log_priors + evidence)
 
 
 def _covariance(first: Array, second: Array, measured: Measured, ageing: Ageing, models: _Models) -> Array:
     """Covariance of the levels at times, without what each mission has of its own, shape (m, p, q)."""
-    since = [each - measured.times[0] for each in (first, second)]
+    since = [times - measured.times[0] for times in (first, second)]
     product_of, least = np.multiply.outer(*since), np.maximum(np.minimum.outer(*since), 0.0)
     # a level before the first measurement walks backwards from it
-    both = np.minimum.outer(*(-each for each in since))
+    both = np.minimum.outer(*(-elapsed for elapsed in since))
     least = least + np.maximum(both, 0.0)
-    after = [(each[:, None] >= measured.times).astype(float) for each in (first, second)]
+    after = [(times[:, None] >= measured.times).astype(float) for times in (first, second)]
     steps = np.einsum("pn,mn,qn->mpq", after[0], models.jumps.astype(float), after[1])
     walked = models.walk[:, None, None] * least + models.trend[:, None, None] * product_of
     return np.asarray(measured.first_sd**2 + walked + ageing.jump**2 * steps)
@@ -223,7 +223,7 @@ def _of_measurements(measured: Measured, ageing: Ageing, models: _Models) -> Arr
 def _with_one_more(sets: NDArray[np.bool_], begins: NDArray[np.bool_]) -> NDArray[np.bool_]:
     """Every set with one further jump, each once: at the first measurement of a mission, but for the first of all."""
     n = sets.shape[1]
-    more = [own | (np.arange(n) == place) for own in sets for place in np.flatnonzero(begins & ~own)]
+    more = [jumps | (np.arange(n) == place) for jumps in sets for place in np.flatnonzero(begins & ~jumps)]
     return np.unique(np.array(more, dtype=bool).reshape(-1, n), axis=0)
 
 
@@ -244,9 +244,9 @@ def in_missions(dates: Sequence[float], ahead: float = math.nan, missions: float
     begun = [dates[0]]
     for date in dates[1:]:
         begun.append(begun[-1] if date - begun[-1] < DAY else date)
-    known = np.array(begun)
-    then = next((own for own in begun[::-1] if abs(ahead - own) < DAY), ahead)
-    every = np.unique(np.append(known, then) if math.isfinite(then) else known)
+    starts = np.array(begun)
+    then = next((start for start in begun[::-1] if abs(ahead - start) < DAY), ahead)
+    every = np.unique(np.append(starts, then) if math.isfinite(then) else starts)
     spacing = float(np.ptp(every)) / max(len(every) - 1, 1) or 1.0
-    times = (known - known[0]) / spacing
-    return times, (then - known[0]) / spacing if math.isfinite(then) else float(times[-1]) + missions
+    times = (starts - starts[0]) / spacing
+    return times, (then - starts[0]) / spacing if math.isfinite(then) else float(times[-1]) + missions

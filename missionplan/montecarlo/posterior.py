@@ -110,7 +110,7 @@ class WeightedDraws:
     @property
     def effects(self) -> Causes:
         """Every effect of a set."""
-        return tuple(dict.fromkeys(effect for held in self.sets for effect in held))
+        return tuple(dict.fromkeys(effect for causes in self.sets for effect in causes))
 
     @cached_property
     def probabilities(self) -> tuple[float, ...]:
@@ -119,20 +119,20 @@ class WeightedDraws:
 
     def probability(self, effect: str) -> float:
         """Probability that an effect holds."""
-        return sum(p for held, p in zip(self.sets, self.probabilities, strict=True) if effect in held)
+        return sum(p for causes, p in zip(self.sets, self.probabilities, strict=True) if effect in causes)
 
     def of_set(self, number: int) -> "WeightedDraws":
         """Return the draws of one set alone."""
-        own = self.which == number
-        weights = self.weights[own]
+        rows = self.which == number
+        weights = self.weights[rows]
         which = np.zeros(len(weights), dtype=int)
-        return WeightedDraws((self.sets[number],), which, self.columns, self.values[own], weights / weights.sum())
+        return WeightedDraws((self.sets[number],), which, self.columns, self.values[rows], weights / weights.sum())
 
     def without(self, effects: Collection[str]) -> "WeightedDraws":
         """Return the draws without some effects: sets that differ in nothing else are one."""
-        kept = [tuple(effect for effect in held if effect not in effects) for held in self.sets]
+        kept = [tuple(effect for effect in causes if effect not in effects) for causes in self.sets]
         sets = tuple(dict.fromkeys(kept))
-        which = np.array([sets.index(held) for held in kept])[self.which]
+        which = np.array([sets.index(causes) for causes in kept])[self.which]
         order = np.argsort(which, kind="stable")
         columns = [index for index, (effect, _) in enumerate(self.columns) if effect not in effects]
         return WeightedDraws(
@@ -146,15 +146,15 @@ class WeightedDraws:
     def column(self, column: Column) -> tuple[Array, Array]:
         """Values of a column where it is known, and their weights, not normalised."""
         values = self.values[:, self.columns.index(column)]
-        known = np.isfinite(values)
-        return values[known], self.weights[known]
+        is_known = np.isfinite(values)
+        return values[is_known], self.weights[is_known]
 
     def distribution(self, column: Column, typical: float) -> DrawnColumn:
         """Return a column as a distribution; a draw without its effect has some value of another draw."""
         values = self.values[:, self.columns.index(column)].astype(float)
-        known = np.flatnonzero(np.isfinite(values))
+        rows = np.flatnonzero(np.isfinite(values))
         unknown = np.flatnonzero(~np.isfinite(values))
-        values[unknown] = values[known[np.arange(len(unknown)) % len(known)]]
+        values[unknown] = values[rows[np.arange(len(unknown)) % len(rows)]]
         ends = np.cumsum(self.weights)
         return DrawnColumn(values, ends / ends[-1], typical)
 
@@ -223,13 +223,13 @@ class PosteriorFile(Mapping[str, object]):
         told of the levels of the vehicle's parameters.
         """
         effects = draws.effects
-        held = np.array([[effect in own for effect in effects] for own in draws.sets], dtype=bool)
+        membership = np.array([[effect in causes for effect in effects] for causes in draws.sets], dtype=bool)
         written = io.BytesIO()
         np.savez_compressed(
             written,
             format=np.array(FORMAT),
             effects=np.array(effects, dtype=str),
-            sets=held.reshape(len(draws.sets), len(effects)),
+            sets=membership.reshape(len(draws.sets), len(effects)),
             which=draws.which.astype(np.int32),
             columns=np.array(draws.columns, dtype=str).reshape(-1, 2),
             values=draws.values.astype(np.float32),
@@ -237,8 +237,8 @@ class PosteriorFile(Mapping[str, object]):
             learned_from=np.array(learned_from),
             epoch=np.array(epoch),
             place=np.array(places, dtype=float),
-            seen_of=np.array([(*each.of, each.record) for each in seen], dtype=str).reshape(-1, 4),
-            seen=np.array([(each.date, each.value, each.sd) for each in seen], dtype=float).reshape(-1, 3),
+            seen_of=np.array([(*level.of, level.record) for level in seen], dtype=str).reshape(-1, 4),
+            seen=np.array([(level.date, level.value, level.sd) for level in seen], dtype=float).reshape(-1, 3),
             summary=np.array(json.dumps(summary, ensure_ascii=False)),
         )
         return cls(written.getvalue())
@@ -275,14 +275,14 @@ def _read(
         summary = json.loads(str(arrays["summary"]))
     except (ValueError, RecursionError):
         raise DamagedPosteriorError("holds no summary") from None
-    effects, held = arrays["effects"].tolist(), arrays["sets"]
+    effects, membership = arrays["effects"].tolist(), arrays["sets"]
     n, k = arrays["values"].shape
     shapes = len(arrays["which"]) == len(arrays["weights"]) == n > 0 and arrays["columns"].shape == (k, 2)
-    if not shapes or held.shape[1] != len(effects) or not isinstance(summary, dict):
+    if not shapes or membership.shape[1] != len(effects) or not isinstance(summary, dict):
         raise DamagedPosteriorError("holds arrays of unlike lengths")
-    if n > MOST_DRAWS or k > MOST_COLUMNS or not 0 < len(held) <= MOST_SETS:
-        raise DamagedPosteriorError(f"holds {n} draws of {len(held)} sets, too many to be one of diagnose")
-    sets = tuple(tuple(name for name, own in zip(effects, row, strict=True) if own) for row in held)
+    if n > MOST_DRAWS or k > MOST_COLUMNS or not 0 < len(membership) <= MOST_SETS:
+        raise DamagedPosteriorError(f"holds {n} draws of {len(membership)} sets, too many to be one of diagnose")
+    sets = tuple(tuple(name for name, is_member in zip(effects, row, strict=True) if is_member) for row in membership)
     draws = WeightedDraws(
         sets,
         arrays["which"].astype(int),
@@ -345,6 +345,6 @@ def _check(draws: WeightedDraws) -> None:
     if not np.all(draws.weights > 0.0) or not math.isclose(float(draws.weights.sum()), 1.0, abs_tol=1e-6):
         raise DamagedPosteriorError("is damaged: its weights are no probabilities")
     for index, (effect, name) in enumerate(draws.columns):
-        holds = np.array([not effect or effect in held for held in draws.sets])[draws.which]
+        holds = np.array([not effect or effect in causes for causes in draws.sets])[draws.which]
         if not np.array_equal(np.isfinite(draws.values[:, index]), holds):
             raise DamagedPosteriorError(f"is damaged: {effect}.{name} has values that are no numbers")

@@ -81,7 +81,7 @@ class Exposure:
 
     def plus(self, other: "Exposure") -> "Exposure":
         """Add what comes next."""
-        return Exposure(*(getattr(self, each.name) + getattr(other, each.name) for each in fields(self)))
+        return Exposure(*(getattr(self, field.name) + getattr(other, field.name) for field in fields(self)))
 
     def of(self, per: str) -> Array:
         """Return what a hazard counts by."""

@@ -49,7 +49,7 @@ def sensitivities(inputs: Mapping[str, Array], outputs: Mapping[str, Array]) -> 
         than `MIN_TRIALS` trials reached, are omitted.
     """
     prepared: dict[bytes, dict[str, Source]] = {}  # by trials that reached the output: mostly the same
-    found: list[Influence] = []
+    influences: list[Influence] = []
     for output, values in outputs.items():
         reached = np.isfinite(values)
         y = values[reached]
@@ -58,8 +58,8 @@ def sensitivities(inputs: Mapping[str, Array], outputs: Mapping[str, Array]) -> 
         sources = prepared.setdefault(reached.tobytes(), {})
         if not sources:
             sources |= {name: Source.of(draws[reached]) for name, draws in inputs.items()}
-        found += sorted(_influences(sources, output, y), key=lambda influence: -influence.first_order)
-    return tuple(found)
+        influences += sorted(_influences(sources, output, y), key=lambda influence: -influence.first_order)
+    return tuple(influences)
 
 
 @dataclass(frozen=True)

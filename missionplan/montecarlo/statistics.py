@@ -140,11 +140,11 @@ class Moments:
         sums = np.add.reduce(values, axis=-1)
         if not values.size:
             return cls._of_reached(values)
-        found = cls._of_all(values, sums)
+        moments = cls._of_all(values, sums)
         if any(map(math.isnan, sums.ravel().tolist())):  # faster than numpy for a handful
             broken = np.isnan(sums)
-            found._put(broken, cls._of_reached(values[broken]))
-        return found
+            moments._put(broken, cls._of_reached(values[broken]))
+        return moments
 
     @classmethod
     def _of_all(cls, values: Array, sums: Array) -> "Moments":
@@ -193,7 +193,7 @@ class Moments:
 
     def take(self, which: slice | int) -> "Moments":
         """Select some of an array of quantities."""
-        return Moments(*(getattr(self, each.name)[which] for each in fields(self)))
+        return Moments(*(getattr(self, field.name)[which] for field in fields(self)))
 
     def _put(self, which: NDArray[np.bool_], part: "Moments") -> None:
         """Write the moments of some quantities into the array, during construction."""

@@ -148,7 +148,7 @@ class KeptStreams:
     @property
     def kept(self) -> int:
         """Legs whose normals have been drawn."""
-        return sum(each.drawn for each in self._legs.values())
+        return sum(normals.drawn for normals in self._legs.values())
 
     def once(self, quantity: str) -> Array:
         """Normals of a quantity that is drawn once a trial: read-only, shape (BLOCK,)."""
@@ -224,7 +224,10 @@ class JointDistribution:
         problems = correlation_problems(quantities, correlations)
         if problems:
             raise InputError(
-                [Problem(each.message, key=key_path(("correlations", *each.path)), hint=each.hint) for each in problems]
+                [
+                    Problem(problem.message, key=key_path(("correlations", *problem.path)), hint=problem.hint)
+                    for problem in problems
+                ]
             )
         correlated, matrix = _matrix(correlations)
         return cls(marginals, correlated, np.asarray(np.linalg.cholesky(matrix), dtype=np.float64), streams or {})

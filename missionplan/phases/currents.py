@@ -148,8 +148,8 @@ def layers(down_to: Sequence[Scalars], speed: Sequence[Scalars], toward: Sequenc
         [m/s], and clockwise from north [rad].
     """
     pairs = list(zip(speed, toward, strict=True))
-    east = _stacked([each * np.sin(course) for each, course in pairs])
-    north = _stacked([each * np.cos(course) for each, course in pairs])
+    east = _stacked([layer_speed * np.sin(course) for layer_speed, course in pairs])
+    north = _stacked([layer_speed * np.cos(course) for layer_speed, course in pairs])
     return LayeredCurrent(_stacked(down_to), east, north)
 
 

@@ -49,7 +49,7 @@ class Ensemble(RecordedCurrent):
         """Build it from members and their weights, in any scale."""
         depths = np.array([member.depths_covered for member in members])
         return cls(
-            time=np.array([max(each.time[0] for each in members), min(each.time[-1] for each in members)]),
+            time=np.array([max(member.time[0] for member in members), min(member.time[-1] for member in members)]),
             depth=np.array([depths[:, 0].max(), depths[:, 1].min()]),
             members=tuple(members),
             names=tuple(names),
@@ -81,7 +81,7 @@ class Ensemble(RecordedCurrent):
     @override
     def covers(self, span: Span) -> NDArray[np.bool_]:
         if self.chosen is None:
-            return np.asarray(np.all(np.broadcast_arrays(*(each.covers(span) for each in self.members)), axis=0))
+            return np.asarray(np.all(np.broadcast_arrays(*(member.covers(span) for member in self.members)), axis=0))
         covered = np.zeros(self.chosen.size, dtype=bool)
         for number, trials in self._trials():
             part = [
@@ -106,8 +106,8 @@ class Ensemble(RecordedCurrent):
     def _of_members(self, method: str, *arguments: Scalars) -> Array:
         """Call a method of the members: of each trial's own, or of all for their weighted mean."""
         if self.chosen is None:
-            found = [getattr(member, method)(*arguments) for member in self.members]
-            return np.asarray(sum(weight * each for weight, each in zip(self.weights, found, strict=True)))
+            velocities = [getattr(member, method)(*arguments) for member in self.members]
+            return np.asarray(sum(weight * velocity for weight, velocity in zip(self.weights, velocities, strict=True)))
         if self.chosen.size == 1:
             return np.asarray(getattr(self.members[int(self.chosen[0])], method)(*arguments))
         velocity = np.zeros((2, self.chosen.size))

@@ -106,18 +106,18 @@ class GriddedCurrent(RecordedCurrent):
         most = max(math.ceil(lasting.max(initial=0.0) / LONGEST_STEP), 1)
         steps = np.maximum(np.ceil(lasting / LONGEST_STEP), 1.0) if most > 1 else 1.0
         step = lasting / steps
-        own = through / np.where(lasting > 0.0, lasting, np.inf)
+        through_water = through / np.where(lasting > 0.0, lasting, np.inf)
         place, moment, total = start, np.asarray(t, dtype=float), np.zeros((2, 1))
         for number in range(most):
             first = self.velocity(moment, depth, place)
-            second = self.velocity(moment + 0.5 * step, depth, place + (0.5 * step) * (first + own))
-            third = self.velocity(moment + 0.75 * step, depth, place + (0.75 * step) * (second + own))
+            second = self.velocity(moment + 0.5 * step, depth, place + (0.5 * step) * (first + through_water))
+            third = self.velocity(moment + 0.75 * step, depth, place + (0.75 * step) * (second + through_water))
             mean = (2.0 / 9.0) * first + (3.0 / 9.0) * second + (4.0 / 9.0) * third
             if most == 1:
                 return mean
             counted = np.minimum(np.maximum(steps - number, 0.0), 1.0)  # 0 for trials whose leg is over
             total = total + mean * counted
-            place, moment = place + (step * counted) * (mean + own), moment + step * counted
+            place, moment = place + (step * counted) * (mean + through_water), moment + step * counted
         return total / steps
 
     def _lattice(self, depth: Scalars) -> Lattice | None:
@@ -128,8 +128,8 @@ class GriddedCurrent(RecordedCurrent):
             return kept[one]
         if len(kept) > _DEPTHS_KEPT:
             kept.clear()
-        found = kept[one] = self._packed_at(one)
-        return found
+        lattice = kept[one] = self._packed_at(one)
+        return lattice
 
     def _packed_at(self, depth: float | None) -> Lattice | None:
         axes = self._axes
@@ -175,7 +175,7 @@ class GriddedCurrent(RecordedCurrent):
 
     @override
     def covers(self, span: Span) -> NDArray[np.bool_]:
-        start, end, depth = (np.asarray(each) for each in (span.start, span.end, span.depth))
+        start, end, depth = (np.asarray(value) for value in (span.start, span.end, span.depth))
         first, last = self.time[0], self.time[-1]
         places = [self.grid.on_grid(np.asarray(place)) for place in span.places]
         inside = start.size and start.min() >= first and end.max() <= last and depth.min() >= self.depth[0]
@@ -255,13 +255,13 @@ def _down_to_the_bottom(values: Velocities) -> Velocities:
 
 def _nearest_wet(wet: NDArray[np.bool_], points: Array) -> list[Indices]:
     """For each time the column that each column takes its values from."""
-    found: list[Indices] = []
+    sources: list[Indices] = []
     for moment, now in enumerate(wet):
         if moment and np.array_equal(now, wet[moment - 1]):
-            found.append(found[-1])
+            sources.append(sources[-1])
             continue
         source = np.arange(now.size)
         there = np.flatnonzero(now)
         source[~now] = there[scipy.spatial.cKDTree(points[:, there].T).query(points[:, ~now].T)[1]]
-        found.append(source)
-    return found
+        sources.append(source)
+    return sources

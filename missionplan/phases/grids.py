@@ -102,12 +102,12 @@ class RegularGrid(Grid):
         if not self.bend:
             return place
         east, north = place
-        bent, found = self.bend * east, np.empty_like(place, dtype=float)
-        np.multiply(bent, north, out=found[0])
-        found[0] += east
+        bent, coordinates = self.bend * east, np.empty_like(place, dtype=float)
+        np.multiply(bent, north, out=coordinates[0])
+        coordinates[0] += east
         bent *= 0.5 * east
-        np.subtract(north, bent, out=found[1])
-        return found
+        np.subtract(north, bent, out=coordinates[1])
+        return coordinates
 
     @override
     def columns(self, place: Array) -> Columns:
@@ -210,10 +210,10 @@ class CellMesh(Grid):
     ) -> None:
         super().__init__(points)
         self._finder, self._cells = TriangleFinder(corners, triangles), cells
-        own = np.arange(points.shape[1])
+        numbers = np.arange(points.shape[1])
         # at the edge of the mesh the nearest cell alone
         self._slopes = slopes * np.all(beside >= 0, axis=0)
-        self._columns = np.vstack((own, np.where(beside >= 0, beside, own)))
+        self._columns = np.vstack((numbers, np.where(beside >= 0, beside, numbers)))
 
     @property
     @override
@@ -251,8 +251,8 @@ class FieldWater:
         if easily is None:
             return self._is_good_by_columns(place, t, depth)
         if not easily.all():
-            left, each = np.flatnonzero(~easily), (np.broadcast_to(value, easily.shape) for value in (t, depth))
-            easily[left] = self._is_good_by_columns(take_trials(place, left), *(value[left] for value in each))
+            left, values = np.flatnonzero(~easily), (np.broadcast_to(value, easily.shape) for value in (t, depth))
+            easily[left] = self._is_good_by_columns(take_trials(place, left), *(value[left] for value in values))
         return easily
 
     def holds(self, place: Array) -> NDArray[np.bool_]:

@@ -61,15 +61,15 @@ class Frame:
         scaled = (places - (self.low[:, None] + half)) / half
         beyond = np.abs(scaled).max(axis=0) > 1.0
         x, y = np.clip(scaled, -1.0, 1.0) if beyond.any() else scaled
-        found = np.zeros((2, x.size))
+        cells = np.zeros((2, x.size))
         for i in range(len(self.terms) - 1, -1, -1):
             along = np.zeros((2, x.size))
             for j in range(len(self.terms) - 1 - i, -1, -1):
                 along = along * y + self.terms[i, j][:, None]
-            found = found * x + along
+            cells = cells * x + along
         if beyond.any():
-            found[:, beyond] = _BEYOND
-        return found
+            cells[:, beyond] = _BEYOND
+        return cells
 
     def box(self, low: Array, high: Array) -> tuple[Array, Array] | None:
         """Least and greatest column and row that a box of the plane can hold; None where it leaves what was fitted.
@@ -116,9 +116,9 @@ class Ground:
         first, last = (np.floor(corner).astype(np.int64) for corner in within)
         level = min(int(max(last - first) + 1).bit_length() // 2, len(self._blocks) - 1)
         (column, row), (right, top) = (np.maximum((corner >> level) + 1, 0) for corner in (first, last))
-        held = self._blocks[level][row : top + 1, column : right + 1]
-        is_whole = held.shape == (top - row + 1, right - column + 1)
-        return bool(is_whole and held.min() > least)
+        depths = self._blocks[level][row : top + 1, column : right + 1]
+        is_whole = depths.shape == (top - row + 1, right - column + 1)
+        return bool(is_whole and depths.min() > least)
 
     def spare_along(self, start: Array, end: Array, least: Array) -> tuple[Array, Array]:
         """How near straight ways come to water that is too shallow, and to where the depth is unknown.
@@ -143,13 +143,13 @@ class Ground:
         count = np.clip(2 ** np.ceil(np.log2(2.0 * extent + 1.0)), 2, _MOST_SAMPLES).astype(int)
         level = np.ceil(4.0 * np.log2(np.maximum(least.max(axis=0), _LEAST_NEEDED))).astype(int)
         shallow, unknown = np.full(count.size, np.inf), np.full(count.size, np.inf)
-        for samples, each in sorted(set(zip(count.tolist(), level.tolist(), strict=True))):
-            rows = np.flatnonzero((count == samples) & (level == each))
+        for samples, depth_level in sorted(set(zip(count.tolist(), level.tolist(), strict=True))):
+            rows = np.flatnonzero((count == samples) & (level == depth_level))
             at = np.linspace(0.0, 1.0, samples)
             cells = (first[:, rows, None] + at * (last - first)[:, rows, None]).reshape(2, -1)
             needed = (least[0][rows, None] + at * (least[1] - least[0])[rows, None]).ravel()
             spare = self._bilinear(self.depth, cells) - needed
-            beside = 1.0 + np.nan_to_num(self._bilinear(self._to_shallower(each), cells))
+            beside = 1.0 + np.nan_to_num(self._bilinear(self._to_shallower(depth_level), cells))
             product = np.where(np.isnan(spare), np.inf, spare * beside).reshape(rows.size, samples)
             shallow[rows] = product.min(axis=1)
             away = np.nan_to_num(self._bilinear(self._to_unknown, cells)).reshape(rows.size, samples)
@@ -171,8 +171,8 @@ class Ground:
     @cached_property
     def _to_unknown(self) -> Depths:
         """Distance of each centre from one without a depth, or from the grid's edge [cells]."""
-        known = np.pad(~np.isnan(self.depth), 1)
-        return np.asarray(scipy.ndimage.distance_transform_edt(known)[1:-1, 1:-1], dtype=np.float32)
+        is_known = np.pad(~np.isnan(self.depth), 1)
+        return np.asarray(scipy.ndimage.distance_transform_edt(is_known)[1:-1, 1:-1], dtype=np.float32)
 
     def slope_at(self, places: Array, step: float = 1.0) -> tuple[Array, Array]:
         """Angle of the seafloor, and the direction toward which it falls, clockwise from north, shape (n,) [rad].
@@ -223,8 +223,8 @@ class Ground:
             blocks = self._blocks[level]
             corner = (np.floor(np.minimum(first, last)).astype(np.int64) >> level) + 1
             top = blocks.shape
-            found: Depths = blocks[np.clip(corner[1], 0, top[0] - 1), np.clip(corner[0], 0, top[1] - 1)]
-            suspect = ~(found > needed[way])
+            depths: Depths = blocks[np.clip(corner[1], 0, top[0] - 1), np.clip(corner[0], 0, top[1] - 1)]
+            suspect = ~(depths > needed[way])
             way, low, high = way[suspect], low[suspect], high[suspect]
             if extent <= _FINEST:
                 break
@@ -280,13 +280,13 @@ class Ground:
         By the block at their corner, counted from the one before the first.
         """
         cells = np.where(np.isnan(self.depth), np.float32(-np.inf), self.depth)
-        found = []
+        blocks = []
         while True:
             ringed = np.pad(cells, 1, constant_values=-np.inf)
             across = np.minimum(ringed[:, :-1], ringed[:, 1:])
-            found.append(np.minimum(across[:-1], across[1:]))
+            blocks.append(np.minimum(across[:-1], across[1:]))
             if max(cells.shape) <= 2:
-                return found
+                return blocks
             rows, columns = cells.shape
             padded = np.pad(cells, ((0, rows % 2), (0, columns % 2)), constant_values=-np.inf)
             cells = padded.reshape(padded.shape[0] // 2, 2, padded.shape[1] // 2, 2).min(axis=(1, 3))

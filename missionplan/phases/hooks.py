@@ -207,19 +207,19 @@ def velocity_error(effects: Iterable[TransitEffect], leg: Leg, current: Array | 
         [m/s]
     """
     factor = np.ones(leg.along.shape[1], dtype=complex)
-    velocity, own = np.zeros(leg.along.shape), np.zeros(leg.along.shape)
+    velocity, answer = np.zeros(leg.along.shape), np.zeros(leg.along.shape)
     answering: list[TransitEffect] = []
     for effect in effects:
         factor = factor * effect.course_factor(leg)
         if effect.answers_current:
             answering.append(effect)
-            own = own + effect.velocity(leg)
+            answer = answer + effect.velocity(leg)
         else:
             velocity = velocity + effect.velocity(leg)
     for effect in answering:
-        own = own + effect.answer_to_current(leg, current + velocity)
+        answer = answer + effect.answer_to_current(leg, current + velocity)
     changed = (factor - 1.0) * leg.through_water
-    return velocity + own + np.stack([changed.real, changed.imag])
+    return velocity + answer + np.stack([changed.real, changed.imag])
 
 
 def surface_velocity(effects: Iterable[TransitEffect], t: Array, duration: Array, position: Array) -> Array:

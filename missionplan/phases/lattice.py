@@ -172,9 +172,9 @@ class TriangleFinder:
         self._first = corners[:, :, 0]
         (ax, ay), (bx, by) = (corners[:, :, side] - self._first for side in (1, 2))
         area = ax * by - ay * bx
-        held = np.where(area != 0.0, area, np.inf)
-        self._toward_second = np.stack((by, -bx)) / held
-        self._toward_third = np.stack((-ay, ax)) / held
+        divisor = np.where(area != 0.0, area, np.inf)
+        self._toward_second = np.stack((by, -bx)) / divisor
+        self._toward_third = np.stack((-ay, ax)) / divisor
         low, high = corners.min(axis=2), corners.max(axis=2)
         self._corner = low.min(axis=1)
         size = np.maximum(high.max(axis=1) - self._corner, 1e-9)
@@ -201,19 +201,19 @@ class TriangleFinder:
         todo = np.flatnonzero(on_raster)
         number = (cell[1, todo] * self._shape[0] + cell[0, todo]).astype(np.intp)
         at, end = self._starts[number], self._starts[number + 1]
-        found = np.full(place.shape[1], -1, dtype=np.intp)
+        triangles = np.full(place.shape[1], -1, dtype=np.intp)
         shares = np.zeros(place.shape)
         while True:
             left = at < end
             if not left.all():
                 todo, at, end = todo[left], at[left], end[left]
             if not todo.size:
-                return found, shares
+                return triangles, shares
             triangle = self._listed[at]
             second, third = self._shares(triangle, place[:, todo])
             inside = (second >= -_EDGE) & (third >= -_EDGE) & (second + third <= 1.0 + _EDGE)
             hit = todo[inside]
-            found[hit], shares[0, hit], shares[1, hit] = triangle[inside], second[inside], third[inside]
+            triangles[hit], shares[0, hit], shares[1, hit] = triangle[inside], second[inside], third[inside]
             missed = ~inside
             todo, at, end = todo[missed], at[missed] + 1, end[missed]
 

@@ -37,10 +37,10 @@ class SeaLevel:
 
     def at(self, t: Array) -> Array:
         """Height at times since the mission's start [s], one a trial, shape (n,) [m]."""
-        found = np.zeros(t.shape) + self.level
+        level = np.zeros(t.shape) + self.level
         for frequency, cosine, sine in zip(self.frequency, self.cosine, self.sine, strict=True):
-            found += cosine * np.cos(frequency * t) + sine * np.sin(frequency * t)
-        return found + np.interp(t, self.time, self.height) if self.time.size else found
+            level += cosine * np.cos(frequency * t) + sine * np.sin(frequency * t)
+        return level + np.interp(t, self.time, self.height) if self.time.size else level
 
     @property
     def lowest(self) -> float:
@@ -203,16 +203,16 @@ class Place:
 
     def _nearest(self, way: Way, cause: NDArray[np.int8]) -> Array:
         """How near ways come to each cause, as in `Contact`, given what they meet first."""
-        found = np.full((len(Cause), cause.size), np.inf)
+        nearest = np.full((len(Cause), cause.size), np.inf)
         if self.ground is not None:
             spare = self.ground.spare_along(way.start, way.end, self._needed(way))
-            found[Cause.AGROUND], found[Cause.UNCHARTED] = spare
+            nearest[Cause.AGROUND], nearest[Cause.UNCHARTED] = spare
         for zone in self.zones:
-            row = found[Cause.ON_LAND if zone.is_land else Cause.KEEP_OUT]
+            row = nearest[Cause.ON_LAND if zone.is_land else Cause.KEEP_OUT]
             np.minimum(row, zone.distance(way.start, way.end, way.times, way.depths), out=row)
-        found = np.maximum(found, np.finfo(float).tiny)
-        found[cause, np.arange(cause.size)] = 0.0
-        return np.asarray(found[1:])
+        nearest = np.maximum(nearest, np.finfo(float).tiny)
+        nearest[cause, np.arange(cause.size)] = 0.0
+        return np.asarray(nearest[1:])
 
 
 @dataclass

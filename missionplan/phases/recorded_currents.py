@@ -100,13 +100,13 @@ class SeriesCurrent(RecordedCurrent):
         values = np.stack((self.east, self.north))
         steps = 0.5 * (values[:, 1:] + values[:, :-1]) * np.diff(self.time)[:, None]
         travelled = np.concatenate((np.zeros((2, 1, len(self.depth))), np.cumsum(steps, axis=1)), axis=1)
-        held = np.clip(t, self.time[0], self.time[-1])
-        before = np.asarray(bracket(self.time, held).low)
+        time = np.clip(t, self.time[0], self.time[-1])
+        before = np.asarray(bracket(self.time, time).low)
         nodes = np.arange(len(self.time), dtype=float)
         to_node = _interpolated((nodes, self.depth), _complex(*travelled), (before.astype(float), depth))
-        start, end = (self.velocity(moment, depth, np.zeros((2, 1))) for moment in (self.time[before], held))
-        inside = to_node + 0.5 * (start + end) * (held - self.time[before])
-        return np.asarray(inside if self.outside == "zero" else inside + end * (t - held))
+        start, end = (self.velocity(moment, depth, np.zeros((2, 1))) for moment in (self.time[before], time))
+        inside = to_node + 0.5 * (start + end) * (time - self.time[before])
+        return np.asarray(inside if self.outside == "zero" else inside + end * (t - time))
 
 
 class Bracket(NamedTuple):
@@ -129,10 +129,10 @@ def bracket(axis: Array, x: Scalars, step: float | None = None) -> Bracket:
     """
     last = len(axis) - 1
     if np.size(x) == 1:
-        held = min(max(float(np.reshape(x, ())), float(axis[0])), float(axis[-1]))
-        at = min(max(bisect_right(axis, held) - 1, 0), max(last - 1, 0))
+        point = min(max(float(np.reshape(x, ())), float(axis[0])), float(axis[-1]))
+        at = min(max(bisect_right(axis, point) - 1, 0), max(last - 1, 0))
         after = min(at + 1, last)
-        return Bracket(at, after, (held - axis[at]) / (axis[after] - axis[at] if after > at else 1.0))
+        return Bracket(at, after, (point - axis[at]) / (axis[after] - axis[at] if after > at else 1.0))
     within = np.minimum(np.maximum(x, axis[0]), axis[-1])
     if step is not None:
         low = np.minimum(((within - axis[0]) * (1.0 / step)).astype(np.intp), last - 1)

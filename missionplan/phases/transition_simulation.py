@@ -95,14 +95,14 @@ class Controllers:
         """
         control, (u, _, q, pitch, depth) = self._vehicle.sternplanes, state
         proportion, error = 1.0 - share, -depth
-        held = self._plane_integral
-        demand = -proportion * (control.depth_gain * error + control.depth_integral * held)
+        integral = self._plane_integral
+        demand = -proportion * (control.depth_gain * error + control.depth_integral * integral)
         limited = np.clip(demand, -control.pitch_limit, control.pitch_limit)
         wanted = control.pitch_gain * (pitch - limited) + control.rate_gain * q
         plane: Array = np.clip(wanted, -control.limit, control.limit)
         at_limit = wanted != plane
         self.saturation_speed = np.fmax(self.saturation_speed, np.where(at_limit, u, np.nan))
-        grown = held + np.where(at_limit | (limited != demand), 0.0, self._time_step * proportion * error)
+        grown = integral + np.where(at_limit | (limited != demand), 0.0, self._time_step * proportion * error)
         if self._vehicle.thrusters:
             low = u < self._manoeuvre.mid_speed - ZONE * np.asarray(self._manoeuvre.steepness)
             grown = np.where(low, 0.0, grown)

@@ -85,8 +85,8 @@ class Zone:
         import shapely
 
         away = np.full(start.shape[1], np.inf)
-        (ways, _), found = self._edges.query_nearest(_ways(start, end), return_distance=True, all_matches=False)
-        away[ways] = found
+        (ways, _), distances = self._edges.query_nearest(_ways(start, end), return_distance=True, all_matches=False)
+        away[ways] = distances
         shapely.prepare(self.geometry)
         away[shapely.intersects_xy(self.geometry, *start)] = 0.0
         speed = np.hypot(*(end - start)) / np.maximum(times[1] - times[0], 1.0)
@@ -153,9 +153,9 @@ class Fence:
         for number in reached:
             bounds = self._bounds[number]
             close = np.flatnonzero(((low <= bounds[2:, None]) & (high >= bounds[:2, None])).all(axis=0))
-            found = self.zones[number].contact(start[:, close], end[:, close], times[:, close], depths[:, close])
-            sooner = found < share[close]
-            share[close[sooner]], which[close[sooner]] = found[sooner], number
+            shares = self.zones[number].contact(start[:, close], end[:, close], times[:, close], depths[:, close])
+            sooner = shares < share[close]
+            share[close[sooner]], which[close[sooner]] = shares[sooner], number
         return share, which
 
     @cached_property

@@ -215,15 +215,15 @@ def wet_centre(design: AnchorDesign) -> float:
 
 def _failures(design: AnchorDesign) -> tuple[UnmetCondition, ...]:
     r, end = design.problem.radius, design.length
-    found = []
+    failures = []
     if design.cylinder_length <= 0.0:
         words = f"the tube would have a length of {design.cylinder_length * 1e3:.1f} mm"
-        found.append(UnmetCondition("cylinder_length > 0", -design.cylinder_length, words))
+        failures.append(UnmetCondition("cylinder_length > 0", -design.cylinder_length, words))
     if design.trim_mass < 0.0:
         words = f"the trim ring would weigh {design.trim_mass:.3f} kg: the other parts are already too heavy"
-        found.append(UnmetCondition("trim_mass >= 0", -design.trim_mass, words))
-    if found:
-        return tuple(found)
+        failures.append(UnmetCondition("trim_mass >= 0", -design.trim_mass, words))
+    if failures:
+        return tuple(failures)
     if not math.isfinite(design.trim_position):
         offset = design.centre_of_gravity - design.centre_of_buoyancy
         words = f"without a ring, the centre of gravity lies {offset * 1e3:.1f} mm aft of the centre of buoyancy"
@@ -234,8 +234,8 @@ def _failures(design: AnchorDesign) -> tuple[UnmetCondition, ...]:
             f"{ahead * 1e3:.1f} mm ahead of the tube" if ahead > 0.0 else f"{behind * 1e3:.1f} mm behind the tube's end"
         )
         words = f"the trim ring would have to sit {side}"
-        found.append(UnmetCondition("ring inside the tube", max(ahead, behind), words))
-    return tuple(found)
+        failures.append(UnmetCondition("ring inside the tube", max(ahead, behind), words))
+    return tuple(failures)
 
 
 def layer_thicknesses(down_to: Array, depth: float) -> Array:

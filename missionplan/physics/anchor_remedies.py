@@ -62,13 +62,13 @@ def find_remedies(design: AnchorDesign) -> tuple[Remedy, ...]:
     """
     if design.feasible:
         return ()
-    found = []
+    remedies = []
     for part, quantity, unit, field in _NUMBERS:
         factor = _least_factor(design, field)
         if factor is not None:
-            given: float = attrgetter(field)(design.problem.construction)
-            found.append((abs(math.log(factor)), Remedy(part, quantity, given, given * factor, unit)))
-    return tuple(remedy for _, remedy in sorted(found, key=lambda item: item[0]))
+            value: float = attrgetter(field)(design.problem.construction)
+            remedies.append((abs(math.log(factor)), Remedy(part, quantity, value, value * factor, unit)))
+    return tuple(remedy for _, remedy in sorted(remedies, key=lambda item: item[0]))
 
 
 def buildable_weights(problem: AnchorProblem) -> tuple[float, float] | None:

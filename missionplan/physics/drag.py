@@ -310,8 +310,8 @@ class MeasuredVehicleDrag(VehicleDrag):
     def body(self, speed: Scalars) -> Scalars:
         """Drag of the whole vehicle [N]; the coefficient is constant below `REYNOLDS_HELD`."""
         reynolds = reynolds_number(speed, self.reference_length, self.water.viscosity)
-        held = np.maximum(reynolds, REYNOLDS_HELD)
-        coefficient = reynolds_drag_coefficient(held, self.coefficient, self.exponent, self.at_reynolds)
+        reynolds_used = np.maximum(reynolds, REYNOLDS_HELD)
+        coefficient = reynolds_drag_coefficient(reynolds_used, self.coefficient, self.exponent, self.at_reynolds)
         return drag_force(speed, coefficient, self.area, self.water.density)
 
     def sail_drag(self, speed: Scalars) -> Scalars:

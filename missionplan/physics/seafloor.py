@@ -60,8 +60,8 @@ def lateral_coefficient(fineness: Scalars) -> Scalars:
 
     White, Fluid Mechanics, Table 7.3, after Hoerner: 0.64 at 1 to 0.98 at 40, at Re above 10⁴ and laminar.
     """
-    found = np.interp(np.log(fineness), np.log(_FINENESS), _LATERAL)
-    return found if np.ndim(found) else float(found)
+    coefficient = np.interp(np.log(fineness), np.log(_FINENESS), _LATERAL)
+    return coefficient if np.ndim(coefficient) else float(coefficient)
 
 
 def near_bed_share(height: Scalars, roughness: Scalars = ROUGHNESS) -> Scalars:
@@ -170,23 +170,23 @@ class LayersAbove:
 
     def at(self, altitude: Array) -> Array:
         """Velocity at altitudes of shape (m, n) [m], shape (2, m, n) [m/s]."""
-        found = np.broadcast_to(self.velocity[-1][:, None], (2, *altitude.shape))
+        profile = np.broadcast_to(self.velocity[-1][:, None], (2, *altitude.shape))
         for top, velocity in zip(self.tops[-2::-1], self.velocity[-2::-1], strict=True):
             share = np.clip((altitude - top) / _EDGE + 0.5, 0.0, 1.0)
-            found = velocity[:, None] + (found - velocity[:, None]) * share
-        return np.asarray(found)
+            profile = velocity[:, None] + (profile - velocity[:, None]) * share
+        return np.asarray(profile)
 
     def with_shear(self, altitude: Array) -> tuple[Array, Array]:
         """Velocity as `at` gives it, and how it changes with the altitude, shape (2, m, n) [1/s]."""
-        found = np.broadcast_to(self.velocity[-1][:, None], (2, *altitude.shape))
+        profile = np.broadcast_to(self.velocity[-1][:, None], (2, *altitude.shape))
         shear = np.zeros((2, 1, 1))
         for top, velocity in zip(self.tops[-2::-1], self.velocity[-2::-1], strict=True):
             share = (altitude - top) / _EDGE + 0.5
-            between, rise = (share > 0.0) & (share < 1.0), found - velocity[:, None]
+            between, rise = (share > 0.0) & (share < 1.0), profile - velocity[:, None]
             share = np.clip(share, 0.0, 1.0)
             shear = shear * share + rise * (between / _EDGE)
-            found = velocity[:, None] + rise * share
-        return np.asarray(found), shear
+            profile = velocity[:, None] + rise * share
+        return np.asarray(profile), shear
 
 
 @dataclass(frozen=True)
@@ -214,10 +214,10 @@ class ProfileAbove(LayersAbove):
         place -= below
         below *= 2 * trials
         below += np.arange(trials)
-        found, rise = np.empty((2, *altitude.shape)), np.empty((2, *altitude.shape))
-        for side, (low, high) in enumerate(zip(found, rise, strict=True)):
+        velocity, rise = np.empty((2, *altitude.shape)), np.empty((2, *altitude.shape))
+        for side, (low, high) in enumerate(zip(velocity, rise, strict=True)):
             at = below + side * trials if side else below
             self.velocity.take(at, out=low, mode="clip")
             self.velocity.take(at + 2 * trials, out=high, mode="clip")
             high -= low
-        return found, rise, place
+        return velocity, rise, place

@@ -249,8 +249,8 @@ def nodal_state(names: Sequence[str], moment: Scalars, latitude: float) -> Nodal
     days = EPOCH_DAY + np.atleast_1d(moment) / DAY
     south = -1.0 if latitude < 0.0 else 1.0
     north = south * max(abs(latitude), LEAST_LATITUDE)
-    found = FUV(days, days[0], _indices(names), np.degrees(north), [0, 0, 0, 0])
-    factor, angle, argument = (each.T if np.ndim(moment) else each[0] for each in found)
+    corrections = FUV(days, days[0], _indices(names), np.degrees(north), [0, 0, 0, 0])
+    factor, angle, argument = (correction.T if np.ndim(moment) else correction[0] for correction in corrections)
     return NodalState(factor, 2.0 * np.pi * angle, 2.0 * np.pi * argument)
 
 

@@ -32,12 +32,12 @@ def _line(info: EffectInfo) -> str:
 
 def _size(info: EffectInfo) -> str:
     """Write the usual size of the first parameter that has one, angles in degrees."""
-    for each in info.parameters.values():
-        size = each.median if each.is_shape else each.scale
+    for parameter in info.parameters.values():
+        size = parameter.median if parameter.is_shape else parameter.scale
         if size:
-            sign = "±" if not each.is_shape and each.low < 0.0 else ""
+            sign = "±" if not parameter.is_shape and parameter.low < 0.0 else ""
             angle = f"{sign}{math.degrees(size):.0f}°"
-            return angle if each.unit == "rad" else f"{sign}{size:g} {each.unit}".rstrip()
+            return angle if parameter.unit == "rad" else f"{sign}{size:g} {parameter.unit}".rstrip()
     return ""
 
 

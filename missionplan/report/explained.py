@@ -22,9 +22,9 @@ def members_in_words(members: Sequence[MemberOutcome], does: str) -> str:
     """Write in a sentence which member spoils what a plan `does`; empty without an ensemble."""
     if len(members) < 2:
         return ""
-    worst, best = (pick(members, key=lambda each: each.good.value) for pick in (min, max))
+    worst, best = (pick(members, key=lambda member: member.good.value) for pick in (min, max))
     low, high = share(worst.good), share(best.good)
-    if differ([each.good for each in members]):
+    if differ([member.good for member in members]):
         return f"It depends on the forecast: it {does} {low} of the time in {worst.name} and {high} in {best.name}."
     ends = f"{low} to {high}" if low != high else f"in {low} of the trials"
     return f"In each member of the current's ensemble it {does} as often, as far as the trials can tell ({ends})."
@@ -35,10 +35,12 @@ def members_section(members: Sequence[MemberOutcome], plan: str, good: str, note
     if not members:
         return
     rows = [
-        [each.name, portion_in_words(each.probability, 1), percent(each.good)]
-        for each in sorted(members, key=lambda each: each.good.value)
+        [member.name, portion_in_words(member.probability, 1), percent(member.good)]
+        for member in sorted(members, key=lambda member: member.good.value)
     ]
-    heading = DIFFER.format(plan) if differ([each.good for each in members]) else "Members of the current's ensemble"
+    heading = (
+        DIFFER.format(plan) if differ([member.good for member in members]) else "Members of the current's ensemble"
+    )
     yield PageSection(heading, [Table(("member", "probability", good), rows, note)])
 
 
@@ -52,12 +54,12 @@ _MATTERS = ("total.success", "total.duration_s", "total.energy_wh")
 
 def explanation_in_words(outcome: Outcome) -> str:
     """Write in a sentence whether success depends on the explanation; empty for a mission without doubts."""
-    tried = sorted((each for each in outcome.explanations if each.trials), key=lambda each: each.success.value)
+    tried = sorted((case for case in outcome.explanations if case.trials), key=lambda case: case.success.value)
     if len(tried) < 2:
         return ""
     worst, best = tried[0], tried[-1]
     low, high = share(worst.success), share(best.success)
-    if differ([each.success for each in tried]):
+    if differ([case.success for case in tried]):
         ends = f"{low} of the time with {label(worst.causes)}, {high} with {label(best.causes)}"
         return f"It depends on which explanation holds: it succeeds {ends}."
     ends = f" ({low} to {high})" if low != high else ""
@@ -69,8 +71,8 @@ def doubt_sections(outcome: Outcome) -> Iterator[PageSection]:
 
     How much of the variance is due to which of them holds is told of each of the mission's doubts.
     """
-    sailed = sorted(outcome.members, key=lambda each: each.success.value if each.trials else 2.0)
-    is_spoilt = differ([each.success for each in sailed if each.trials])
+    sailed = sorted(outcome.members, key=lambda case: case.success.value if case.trials else 2.0)
+    is_spoilt = differ([case.success for case in sailed if case.trials])
     heading = DIFFER.format("mission") if is_spoilt else "Members of the current's ensemble"
     explains = "Each trial draws which explanation holds; a row has the trials in which it does."
     sails = "Each trial sails in one member of the ensemble; a row has the trials that sail in it."
@@ -78,31 +80,33 @@ def doubt_sections(outcome: Outcome) -> Iterator[PageSection]:
         ("Which explanation holds", "explanation", outcome.explanations, "cause", explains),
         (heading, "member", sailed, "member", sails),
     )
-    for title, column, found, what, note in doubts:
-        places = dict.fromkeys(each.place for each in found)
+    for title, column, cases, what, note in doubts:
+        places = dict.fromkeys(case.place for case in cases)
         influences = [
             [s for s in outcome.sensitivities if s.source == place and s.output in _MATTERS] for place in places
         ]
-        words, rows = [_worth(outcome, each, what) for each in influences if each], []
-        for each in found:
+        words, rows = [_worth(outcome, influence, what) for influence in influences if influence], []
+        for case in cases:
             ranges = []
-            for key, statistic in (("duration_s", each.duration), ("energy_wh", each.energy)):
+            for key, statistic in (("duration_s", case.duration), ("energy_wh", case.energy)):
                 unit = unit_for("total", key, outcome.provenance.data, typical=statistic.p50)
                 low, _, high = span(statistic, unit)
                 ranges.append("–" if not statistic.count else f"{low} to {high}{unit.suffix}")
-            name = each.causes[0] if column == "member" else label(each.causes)
-            rows.append((name, portion_in_words(each.probability, 1), percent(each.success), *ranges))
+            name = case.causes[0] if column == "member" else label(case.causes)
+            rows.append((name, portion_in_words(case.probability, 1), percent(case.success), *ranges))
         if rows:
             yield PageSection(title, [*words, Table((column, *_COLUMNS), rows, note)])
 
 
-def _worth(outcome: Outcome, found: list[Sensitivity], what: str) -> str:
+def _worth(outcome: Outcome, sensitivities: list[Sensitivity], what: str) -> str:
     """Say for which share of the variance it matters which explanation holds, and whether to find out."""
     shares = []
-    for each in found:
-        shares.append(f"{portion_in_words(each.first_order)} of the variance of the {in_words(each.output)}")
+    for sensitivity in sensitivities:
+        shares.append(
+            f"{portion_in_words(sensitivity.first_order)} of the variance of the {in_words(sensitivity.output)}"
+        )
     words = f"Which {what} it is accounts for {listed(shares)}"
-    if all(each.first_order < SMALL for each in found) and not outcome_hangs_on_doubt(outcome):
+    if all(sensitivity.first_order < SMALL for sensitivity in sensitivities) and not outcome_hangs_on_doubt(outcome):
         return f"{words}: no need to find out."
     return f"{words}: find out what you can before you rely on the plan."
 
@@ -115,10 +119,10 @@ def hangs_on_doubt(
     `whole`: how often it does well over all of them. `doubts`: how likely each is, and how often it does well then.
     `required`: of that; None where nothing is.
     """
-    for likely, each in doubts:
-        missed = ("",) if required is not None and each.value < required <= whole.value else ()
-        put_off = Assumption("", "", each.value - whole.value, each.value, missed, is_required=required is not None)
-        if put_off.turns and likely >= UNLIKELY and differ([each, whole]):
+    for likely, rate in doubts:
+        missed = ("",) if required is not None and rate.value < required <= whole.value else ()
+        put_off = Assumption("", "", rate.value - whole.value, rate.value, missed, is_required=required is not None)
+        if put_off.turns and likely >= UNLIKELY and differ([rate, whole]):
             return True
     return False
 
@@ -128,7 +132,7 @@ def outcome_hangs_on_doubt(outcome: Outcome | None) -> bool:
     if outcome is None:
         return False
     required = [item.required for item in outcome.requirements if item.quantity == "total.success"]
-    doubts = [(each.probability, each.success) for each in (*outcome.explanations, *outcome.members) if each.trials]
+    doubts = [(case.probability, case.success) for case in (*outcome.explanations, *outcome.members) if case.trials]
     return hangs_on_doubt(outcome.total.events["success"], doubts, max(required, default=None))
 
 
@@ -146,7 +150,7 @@ def first_do(judged: Outcome | None, phase: str) -> str | None:
     if judged is None:
         return None
     groups = [({item.phase for item in judged.requirements if not item.met}, "")]
-    groups += [(each.turned, each.first and f" first {each.first};") for each in judged.assumed]
+    groups += [(assumption.turned, assumption.first and f" first {assumption.first};") for assumption in judged.assumed]
     return next((first for phases, first in groups if phase in phases or phases == {"total"}), None)
 
 
@@ -185,11 +189,11 @@ def with_assumptions(page: Page, assumed: Sequence[Assumption]) -> Page:
     if not assumed:
         return page
     words, write = _turning_in_words(assumed), page.write
-    undecided = page.verdict != "bad" and any(each.turns for each in assumed)
+    undecided = page.verdict != "bad" and any(assumption.turns for assumption in assumed)
 
     def written() -> list[PageSection]:
         sections = list(write())
-        place = next((at for at, each in enumerate(sections) if not each.is_summary), len(sections))
+        place = next((at for at, section in enumerate(sections) if not section.is_summary), len(sections))
         return [*sections[:place], *_section(assumed), *sections[place:]]
 
     return replace(
@@ -203,7 +207,7 @@ def with_assumptions(page: Page, assumed: Sequence[Assumption]) -> Page:
 
 def _turning_in_words(assumed: Sequence[Assumption]) -> str:
     """Write which assumptions could turn the answer; nothing where none could."""
-    turning = [each for each in assumed if each.turns]
+    turning = [assumption for assumption in assumed if assumption.turns]
     if not turning:
         return ""
     first, others = turning[0], len(turning) - 1
@@ -213,7 +217,7 @@ def _turning_in_words(assumed: Sequence[Assumption]) -> str:
         f"{100.0 * first.success:.3g} % of the time"
     )
     if first.missed:
-        words += f" and misses what is required of {listed([in_words(each) for each in first.missed])}"
+        words += f" and misses what is required of {listed([in_words(name) for name in first.missed])}"
     if not others:
         return f"{words}."
     return f"{words}; {others} more such {'assumption' if others == 1 else 'assumptions'} below."
@@ -222,12 +226,18 @@ def _turning_in_words(assumed: Sequence[Assumption]) -> str:
 def _section(assumed: Sequence[Assumption]) -> Iterator[PageSection]:
     """Tabulate them, what matters most first."""
     rows = []
-    for each in assumed:
-        then = "" if math.isnan(each.success) else f"{100.0 * each.success:.3g}\u00a0%"
-        change = f"{100.0 * each.worth:+.3g}\u00a0%" if each.worth else "none"
-        change = "could not be run" if math.isnan(each.worth) else change
+    for assumption in assumed:
+        then = "" if math.isnan(assumption.success) else f"{100.0 * assumption.success:.3g}\u00a0%"
+        change = f"{100.0 * assumption.worth:+.3g}\u00a0%" if assumption.worth else "none"
+        change = "could not be run" if math.isnan(assumption.worth) else change
         rows.append(
-            (each.what, in_reader_units(each.otherwise), then, change, "could turn the answer" if each.turns else "")
+            (
+                assumption.what,
+                in_reader_units(assumption.otherwise),
+                then,
+                change,
+                "could turn the answer" if assumption.turns else "",
+            )
         )
     columns = ("taken for granted", "instead", "success then", "change", "")
     caption = "Each alone, on 400 trials of the same random numbers. What is not in the mission cannot be put off."
@@ -236,11 +246,13 @@ def _section(assumed: Sequence[Assumption]) -> Iterator[PageSection]:
 
 def _heading(assumed: Sequence[Assumption]) -> str:
     """Name what the assumptions could do: turn the answer, or change P(success) most."""
-    turning = sum(each.turns for each in assumed)
+    turning = sum(assumption.turns for assumption in assumed)
     if turning:
         return f"{turning} of its assumptions could turn this"
-    most = max(assumed, key=lambda each: 0.0 if math.isnan(each.worth) else abs(each.worth))
+    most = max(assumed, key=lambda assumption: 0.0 if math.isnan(assumption.worth) else abs(assumption.worth))
     if math.isnan(most.worth) or abs(most.worth) < _LEAST_CHANGE:
-        known = ", of those that could be tried," if any(math.isnan(each.worth) for each in assumed) else ""
-        return f"None of these assumptions alone{known} could turn this"
+        of_those_tried = (
+            ", of those that could be tried," if any(math.isnan(assumption.worth) for assumption in assumed) else ""
+        )
+        return f"None of these assumptions alone{of_those_tried} could turn this"
     return f"Of its assumptions, that {most.what} matters most: {100.0 * most.worth:+.3g}\u00a0% otherwise"

@@ -118,7 +118,7 @@ class Copies:
 
     def drawing_of(self, figure: "MatplotlibFigure", shown: Shown) -> DrawnFigure:
         """Draw a figure in a copy, where one may be made."""
-        if sum(each.is_busy for each in self.made) >= self.most:
+        if sum(copy.is_busy for copy in self.made) >= self.most:
             return draw(figure, shown)
         try:
             self.made.append(Copy(partial(draw, figure, shown)))
@@ -128,8 +128,8 @@ class Copies:
 
     def end(self) -> None:
         """Let go of all."""
-        for each in self.made:
-            each.end()
+        for copy in self.made:
+            copy.end()
 
 
 INK, GRID = "#222222", "#dddddd"
@@ -218,13 +218,15 @@ class PageSection:
 
 def typed(command: str, /, *words: object, **options: object) -> str:
     """Write a command as one types it: an option that is None is left out, of a list each item has it, True is bare."""
-    items = [(key, each) for key, given in options.items() for each in (given if isinstance(given, list) else [given])]
-    told = [
-        f"--{key.replace('_', '-')}{'' if each is True else f' {shlex.quote(str(each))}'}"
-        for key, each in items
-        if each is not None
+    items = [
+        (key, value) for key, values in options.items() for value in (values if isinstance(values, list) else [values])
     ]
-    return " ".join(["missionplan", command, *(shlex.quote(str(word)) for word in words), *told])
+    arguments = [
+        f"--{key.replace('_', '-')}{'' if value is True else f' {shlex.quote(str(value))}'}"
+        for key, value in items
+        if value is not None
+    ]
+    return " ".join(["missionplan", command, *(shlex.quote(str(word)) for word in words), *arguments])
 
 
 @dataclass(frozen=True)

@@ -86,7 +86,7 @@ def _joined(first: str, sign: str, second: str) -> str:
     if one is None or two is None or one[1] != two[1]:
         return f"{first} {sign} {second}"
     (number, unit), (other, _) = one, two
-    decimals, wanted = (len(each.partition(".")[2]) for each in (number, other))
+    decimals, wanted = (len(text.partition(".")[2]) for text in (number, other))
     if sign == "±" and decimals > wanted:  # no error bears more digits than it has itself
         return f"{first}, sd {second}"
     if sign == "±" and decimals < wanted and "e" not in number.lower():
@@ -155,18 +155,18 @@ def not_held(provenance: Provenance) -> list[PageSection]:
     """Show what an answer holds of the world, and what not."""
     if not provenance.holds or provenance.command in _OF_NO_MISSION:
         return []
-    rows = [(each.what, in_reader_units(each.why)) for each in provenance.holds if not each.held]
-    held = [f"{each.what} ({in_reader_units(each.why)})" for each in provenance.holds if each.held]
+    rows = [(aspect.what, in_reader_units(aspect.why)) for aspect in provenance.holds if not aspect.held]
+    reasons = [f"{aspect.what} ({in_reader_units(aspect.why)})" for aspect in provenance.holds if aspect.held]
     blocks: list[Block] = [Table(("", ""), rows, text_columns=2)] if rows else []
-    blocks += [f"It holds {'; '.join(held)}."] if held else []
+    blocks += [f"It holds {'; '.join(reasons)}."] if reasons else []
     return [PageSection("What this answer does not hold", blocks, is_summary=True)]
 
 
 def changed(data: Mapping[str, object], values: Mapping[str, object]) -> list[PageSection]:
     """Show which keys of the mission a result would have changed: was and now; nothing where it changes none."""
     rows = [
-        (each.key, _table_or_value(each.was), f"{_table_or_value(each.now)}{in_unit_of(each.was, each.now)}")
-        for each in changes_of(data, values)
+        (change.key, _table_or_value(change.was), f"{_table_or_value(change.now)}{in_unit_of(change.was, change.now)}")
+        for change in changes_of(data, values)
     ]
     table = Table(("key", "was", "now"), rows, text_columns=3)
     return [PageSection("What changes in the mission", [table], is_summary=True)] if rows else []
@@ -183,15 +183,15 @@ def where_checked(provenance: Provenance) -> list[PageSection]:
     """Show on which rows of the validation the answer rests, and whether the mission is in the ranges checked."""
     if not provenance.rests_on:
         return []
-    outside = [each.quantity for each in provenance.checked if not each.is_inside]
+    outside = [check.quantity for check in provenance.checked if not check.is_inside]
     rows = [
         (
-            each.quantity,
-            _from_to(each.least, each.greatest, each.unit),
-            _from_to(each.low, each.high, each.unit),
-            "inside" if each.is_inside else "outside",
+            check.quantity,
+            _from_to(check.least, check.greatest, check.unit),
+            _from_to(check.low, check.high, check.unit),
+            "inside" if check.is_inside else "outside",
         )
-        for each in provenance.checked
+        for check in provenance.checked
     ]
     heading = "Where the model was checked"
     if provenance.checked:
@@ -251,9 +251,9 @@ def _recorded(current: object) -> str:
     """Write the file of a recorded current without its folder, or those of an ensemble with their weights."""
     if not isinstance(current, Mapping):
         return value_in_words(current)
-    given, rest = current.get("file"), {key: value for key, value in current.items() if key not in ("file", "weights")}
+    file, rest = current.get("file"), {key: value for key, value in current.items() if key not in ("file", "weights")}
     weights = current.get("weights")
-    files = [Path(str(each)).name for each in given] if isinstance(given, list | tuple) else [Path(str(given)).name]
+    files = [Path(str(member)).name for member in file] if isinstance(file, list | tuple) else [Path(str(file)).name]
     if isinstance(weights, list | tuple) and len(weights) == len(files):
         files = [f"{name} (weight {value_in_words(weight)})" for name, weight in zip(files, weights, strict=True)]
     words = f"one of {len(files)} files: {', '.join(files)}" if len(files) > 1 else f"file {files[0]}"
@@ -267,7 +267,7 @@ def _vehicle(data: Mapping[str, object]) -> Iterator[Row]:
         if key == "name":
             yield "vehicle", str(value)
         elif key == "anchor":
-            shown = {inner: each for inner, each in mapping(value).items() if inner in _ANCHOR}
+            shown = {inner: content for inner, content in mapping(value).items() if inner in _ANCHOR}
             if shown:
                 yield "anchor", value_in_words(shown)
         elif key in ("mass", "net_buoyancy") and "anchor" in vehicle:
@@ -280,10 +280,10 @@ def _vehicle(data: Mapping[str, object]) -> Iterator[Row]:
         else:
             yield _named(key), value_in_words(value)
     # what is in force of the keys that mission and vehicle may both give, and where it is from
-    for each in values_in_force(data):
-        given = "none" if each.value is None else value_in_words(each.value)
-        instead = "" if each.overridden is None else f", not the vehicle's {value_in_words(each.overridden)}"
-        yield in_words(".".join(map(str, each.path))), f"{given} ({each.source}{instead})"
+    for setting in values_in_force(data):
+        words = "none" if setting.value is None else value_in_words(setting.value)
+        instead = "" if setting.overridden is None else f", not the vehicle's {value_in_words(setting.overridden)}"
+        yield in_words(".".join(map(str, setting.path))), f"{words} ({setting.source}{instead})"
 
 
 def _phases(data: Mapping[str, object]) -> Iterator[Row]:
@@ -306,18 +306,18 @@ def _effects(data: Mapping[str, object]) -> Iterator[Row]:
         if name != "one-of" or not isinstance(parameters, list | tuple):
             yield f"effect: {name.replace('-', ' ')}", value_in_words(parameters) if parameters else "as usual"
             continue
-        for held in map(mapping, parameters):
+        for explanation in map(mapping, parameters):
             parts = [
-                f"{effect.replace('-', ' ')} ({value_in_words(own)})" if own else effect.replace("-", " ")
-                for effect, own in _items(held.get("effects"))
+                f"{effect.replace('-', ' ')} ({value_in_words(sizes)})" if sizes else effect.replace("-", " ")
+                for effect, sizes in _items(explanation.get("effects"))
             ]
-            share = held.get("probability")
+            share = explanation.get("probability")
             yield f"possible, {_share(share) if isinstance(share, int | float) else 'an explanation'}", ", ".join(parts)
-    for name, known in mapping(mapping(data.get("posterior")).get("summary")).items():
-        own = {key: value for key, value in mapping(known).items() if key != "probability"}
-        share = mapping(known).get("probability")
+    for name, summary in mapping(mapping(data.get("posterior")).get("summary")).items():
+        sizes = {key: value for key, value in mapping(summary).items() if key != "probability"}
+        share = mapping(summary).get("probability")
         if isinstance(share, int | float):
-            yield f"learned: {name.replace('-', ' ')}, {_share(share)}", value_in_words(own)
+            yield f"learned: {name.replace('-', ' ')}, {_share(share)}", value_in_words(sizes)
 
 
 def _share(probability: float) -> str:

@@ -147,19 +147,19 @@ def reader_unit(unit: str, largest: float, system: str | None = None) -> Unit:
     si = DIMENSIONS.get(unit)
     if si is None or not system:
         return Unit(unit, 1.0)
-    own = FACTORS[si][unit]
+    factor = FACTORS[si][unit]
     choices = SYSTEMS[system].get(si, ((math.inf, si),))  # the metric and the nautical system have SI's
-    name = next((name for limit, name in choices if abs(largest) * own < limit), choices[0][1])
-    return Unit(name, FACTORS[si][name] / own)
+    name = next((name for limit, name in choices if abs(largest) * factor < limit), choices[0][1])
+    return Unit(name, FACTORS[si][name] / factor)
 
 
 def in_unit_of(was: object, now: object) -> str:
     """Write a quantity of a mission file in the unit of its former value, in brackets; empty where it has that unit."""
-    (_, own), (value, other) = (str(each).strip().partition(" ")[::2] for each in (was, now))
-    if reader_system() or own == other or own not in DIMENSIONS or DIMENSIONS[own] != DIMENSIONS.get(other):
+    (_, unit), (value, other) = (str(text).strip().partition(" ")[::2] for text in (was, now))
+    if reader_system() or unit == other or unit not in DIMENSIONS or DIMENSIONS[unit] != DIMENSIONS.get(other):
         return ""
-    factors = FACTORS[DIMENSIONS[own]]
-    return f" ({float(value) * factors[other] / factors[own]:.4g}\u00a0{own})"
+    factors = FACTORS[DIMENSIONS[unit]]
+    return f" ({float(value) * factors[other] / factors[unit]:.4g}\u00a0{unit})"
 
 
 def quantity(value: float | None, unit: str, form: str, *, largest: float | None = None) -> str:
@@ -192,8 +192,8 @@ _IN_WORDS = re.compile(r"(?<![\w.])(?<!e[-+])(?:([\d.]+) to )?([\d.]+) (c?m/s|k?
 def in_reader_units(words: str) -> str:
     """Write the speeds and lengths within words in the reader's units: ``winds of 0 to 23 kn``."""
 
-    def written(found: re.Match[str]) -> str:
-        low, high, unit = found.groups()
+    def written(match: re.Match[str]) -> str:
+        low, high, unit = match.groups()
         shown = as_written(high, unit)
         return (
             shown
@@ -245,9 +245,9 @@ def unit_for(phase: str, key: str, data: Mapping[str, object], *, typical: float
     if reader_system() and unit in DIMENSIONS:
         return reader_unit(unit, typical)
     for text in _texts(phase, quantity, data):
-        found = _unit_of(text, unit)
-        if found:
-            return found
+        written_unit = _unit_of(text, unit)
+        if written_unit:
+            return written_unit
     if unit == "s" and math.isfinite(typical):
         name = next(name for limit, name in _TIMES if abs(typical) < limit)
         return Unit("d" if name == "day" else name, parse_number_with_unit(f"1 {name}", "s"))
@@ -256,13 +256,13 @@ def unit_for(phase: str, key: str, data: Mapping[str, object], *, typical: float
 
 def _texts(phase: str, quantity: str, data: Mapping[str, object]) -> list[object]:
     """Quantities of the mission file whose unit suits, in order of preference."""
-    written = {each.key: each.name for each in written_phases(data)}
+    written = {entry.key: entry.name for entry in written_phases(data)}
     requirements = [
         requirement.get("at_most", requirement.get("at_least"))
         for requirement in mappings(data.get("requirements"))
         if requirement.get("quantity") == f"{written.get(phase, phase)}.{quantity}"
     ]
-    section = next((each.section for each in written_phases(data) if each.key == phase), {})
+    section = next((entry.section for entry in written_phases(data) if entry.key == phase), {})
     below = [_at(section, path) for path in _KEYS.get(quantity, ())]
     site = [_at(data, _SITE_KEYS[quantity])] if quantity in _SITE_KEYS else []
     energy = [_at(data, path) for path in _ENERGY_KEYS] if quantity == "energy" else []

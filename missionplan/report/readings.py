@@ -79,17 +79,17 @@ def readings(figure: "MatplotlibFigure", series: dict[str, list[str]], shown: Sh
     panels = [panel for axes in figure.axes if (panel := _panel(figure, axes, shown.origin)) is not None]
     if not panels:
         return ""
-    found: dict[str, object] = {"axes": panels}
+    contents: dict[str, object] = {"axes": panels}
     if len(series) > 1:
-        found["series"] = [{"name": name, "ids": ids} for name, ids in series.items()]
+        contents["series"] = [{"name": name, "ids": ids} for name, ids in series.items()]
     if (slider := shown.slider) is not None:
-        found["slider"] = {
+        contents["slider"] = {
             "label": slider.label,
             "x": [_short(place / size_of_unit(figure.axes[0].xaxis)) for place in slider.places],
             "text": list(slider.texts),
             "start": slider.start,
         }
-    return json.dumps(found, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
+    return json.dumps(contents, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
 
 
 def _panel(figure: "MatplotlibFigure", axes: "Axes", origin: tuple[float, float] | None) -> dict[str, object] | None:
@@ -178,8 +178,11 @@ def _tick_at(axis: "Axis", place: float) -> str:
     """Label of the tick at a place, of an axis of names; empty on one of numbers, or where there is none."""
     if has_numbers(axis):
         return ""
-    near = [text.get_text() for at, text in zip(axis.get_ticklocs(), axis.get_ticklabels(), strict=False)
-            if abs(at - place) < _HALF_A_STEP]  # fmt: skip
+    near = [
+        text.get_text()
+        for at, text in zip(axis.get_ticklocs(), axis.get_ticklabels(), strict=False)
+        if abs(at - place) < _HALF_A_STEP
+    ]
     return " ".join(near[0].split()) if near else ""
 
 
@@ -198,8 +201,8 @@ def _earth(axes: "Axes", origin: tuple[float, float]) -> list[list[float]]:
     sizes = (size_of_unit(axes.xaxis), size_of_unit(axes.yaxis))
     corners = np.array([[west, east, west], [south, south, north]])
     place = Geographic.model_construct(latitude=origin[0], longitude=origin[1])
-    found = np.degrees(to_geographic(corners[0], corners[1], place))
-    a, b, c = found.T
+    angles = np.degrees(to_geographic(corners[0], corners[1], place))
+    a, b, c = angles.T
     dx, dy = (b - a) * sizes[0] / (east - west), (c - a) * sizes[1] / (north - south)
     zero = a - dx * west / sizes[0] - dy * south / sizes[1]
     return [[round(float(value), 10) for value in row] for row in zip(zero, dx, dy, strict=True)]

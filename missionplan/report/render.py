@@ -49,7 +49,7 @@ def shown_as_asked(result: Result) -> Iterator[None]:
 @contextmanager
 def read_as(result: Result, system: str) -> Iterator[None]:
     """Write quantities in a system of units, and phases by the names that the result's mission gives them."""
-    with reading_in(system), phases_named({each.key: each.name for each in written_phases(result.provenance.data)}):
+    with reading_in(system), phases_named({phase.key: phase.name for phase in written_phases(result.provenance.data)}):
         yield
 
 
@@ -131,8 +131,8 @@ def typeset_page(page: Page) -> Page:
 
 def _sections(sections: Iterable[PageSection]) -> list[PageSection]:
     return [
-        replace(each, heading=typeset(each.heading), blocks=[_block(block) for block in each.blocks])
-        for each in sections
+        replace(section, heading=typeset(section.heading), blocks=[_block(block) for block in section.blocks])
+        for section in sections
     ]
 
 
@@ -200,18 +200,18 @@ def _lines(first: list[str], others: list[list[str]], width: int) -> list[str]:
     if max(map(len, first)) + sum(wide) + GAP * len(wide) > width:
         wide = [_narrow(column) for column in others]
     room = max(width - sum(wide) - GAP * len(wide), _least(first))
-    own = min(max(map(len, first)), room)
+    first_width = min(max(map(len, first)), room)
     lines: list[str] = []
     for number, head in enumerate(first):
         cells = (_broken(column[number], size, _SPACES) for column, size in zip(others, wide, strict=True))
-        broken = [_broken(head, own), *cells]
+        broken = [_broken(head, first_width), *cells]
         height = max(map(len, broken))
         if number == 0:  # headings stand on the line above the rows
             broken = [[""] * (height - len(cell)) + cell for cell in broken]
         for at in range(height):
             texts = [cell[at] if at < len(cell) else "" for cell in broken]
             numbers = (f"{text:>{size + GAP}}" for text, size in zip(texts[1:], wide, strict=True))
-            lines.append(f"{texts[0]:<{own}}{''.join(numbers)}".rstrip())
+            lines.append(f"{texts[0]:<{first_width}}{''.join(numbers)}".rstrip())
     return lines
 
 

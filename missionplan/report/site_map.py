@@ -47,13 +47,13 @@ def _draw_file(axes: Axes, chart: Chart, kind: str) -> str:
 
 def _draw_features(axes: Axes, chart: Chart, kind: str) -> None:
     """Draw polygons as land or a zone, as shoal water where they have a depth, and lines with their depth."""
-    known, system = features(chart)
-    for geometry, properties in known:
+    shapes, system = features(chart)
+    for geometry, properties in shapes:
         depth = properties.get("depth")
         for part in getattr(geometry, "geoms", (geometry,)):
             rings = (part.exterior, *part.interiors) if part.geom_type == "Polygon" else (part,)
             points = [np.array(ring.coords) for ring in rings]
-            lines = [chart.to_plane(each[:, 0], each[:, 1], system) for each in points]
+            lines = [chart.to_plane(ring[:, 0], ring[:, 1], system) for ring in points]
             if part.geom_type == "Polygon":
                 draw_region(axes, [line.T for line in lines], kind if depth is None else "shoal", zorder=0.5)
                 continue
@@ -283,12 +283,12 @@ def _place(value: object, origin: Geographic | None) -> Point | None:
     """Read a position as the mission does, distributions at their means; None where it has none."""
     if origin is not None and (there := _on_earth(value)) is not None:
         east, north = to_plane(np.array([there.latitude]), np.array([there.longitude]), origin)
-        found = float(east[0]), float(north[0])
+        place = float(east[0]), float(north[0])
     elif isinstance(value, list | tuple) and len(value) == 2:
-        found = _metres(value[0]), _metres(value[1])
+        place = _metres(value[0]), _metres(value[1])
     else:
         return None
-    return found if all(map(math.isfinite, found)) else None
+    return place if all(map(math.isfinite, place)) else None
 
 
 def _metres(value: object) -> float:

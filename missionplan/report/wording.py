@@ -162,7 +162,7 @@ _RULES: tuple[tuple[re.Pattern[str], str | Callable[[re.Match[str]], str]], ...]
     (re.compile(r"(?<=[\d°]) (?=±)|(?<=±) (?=[\d−])"), _NO_BREAK_SPACE),
     (
         re.compile(r"(?<=\d)e([-+−])0*(\d+)(?![\w.])"),
-        lambda found: f"·10{raised((found[1] + found[2]).removeprefix('+'))}",
+        lambda match: f"·10{raised((match[1] + match[2]).removeprefix('+'))}",
     ),
 )
 _LONG_WHOLE = re.compile(r"(?<![\w.,:/=\u202f#-])[1-9]\d{4,}(?![\w:/-]|\.\d{5})")
@@ -174,7 +174,7 @@ def typeset(text: str) -> str:
     """Set a sentence, a heading or the cell of a table."""
     for pattern, replacement in _RULES:
         text = pattern.sub(replacement, text)
-    return _LONG_WHOLE.sub(lambda found: _GROUPS.sub(NARROW_SPACE, found[0]), text)
+    return _LONG_WHOLE.sub(lambda match: _GROUPS.sub(NARROW_SPACE, match[0]), text)
 
 
 def wrapped(sentence: str, width: int) -> str:
@@ -238,12 +238,12 @@ def in_words(name: str) -> str:
     if quantity.startswith("site.current["):
         layer, _, rest = quantity.removeprefix("site.current[").partition("].")
         return f"current {rest} in layer {int(layer) + 1}"
-    phase, _, own = quantity.partition(".")
-    if not own:
+    phase, _, phase_quantity = quantity.partition(".")
+    if not phase_quantity:
         return _PHRASES.get(quantity, _spaced(quantity))
     if phase.partition("[")[0] in _WHOLES:
         return _PHRASES.get(quantity, _spaced(quantity))
-    return of_phase(own, phase)
+    return of_phase(phase_quantity, phase)
 
 
 def of_phase(quantity: str, phase: str) -> str:

@@ -182,7 +182,7 @@ class Result(Record, ABC):
             self.certainty,
             self.assumed,
             changes_of(made.data, self.recommended_values),
-            tuple(each.what for each in made.holds if not each.held),
+            tuple(coverage.what for coverage in made.holds if not coverage.held),
         )
 
     @abstractmethod

@@ -95,11 +95,11 @@ def written(data: Mapping[str, object], key: str) -> object:
 def _phases(data: Mapping[str, object]) -> list[Mapping[str, object]]:
     """Return each phase with its name, its kind where it has none."""
     entries = data.get("phases")
-    found: list[Mapping[str, object]] = []
+    phases: list[Mapping[str, object]] = []
     for entry in entries if isinstance(entries, Sequence) else ():
         for kind, phase in entry.items() if isinstance(entry, Mapping) else ():
-            found.append({"name": kind, **phase} if isinstance(phase, Mapping) else {"name": kind})
-    return found
+            phases.append({"name": kind, **phase} if isinstance(phase, Mapping) else {"name": kind})
+    return phases
 
 
 def changes_of(data: Mapping[str, object], values: Mapping[str, object]) -> tuple[Change, ...]:
@@ -127,7 +127,7 @@ class ExplainedOutcome(Record):
 
 def differ(shares: Sequence[Probability]) -> bool:
     """Whether one is likelier than another, beyond chance: 95 % intervals apart."""
-    return bool(shares) and max(each.low for each in shares) > min(each.high for each in shares)
+    return bool(shares) and max(share.low for share in shares) > min(share.high for share in shares)
 
 
 def label(causes: Iterable[str]) -> str:

@@ -171,7 +171,7 @@ def mapping(value: object) -> Mapping[str, object]:
 
 def mappings(value: object) -> list[Mapping[str, object]]:
     """Return the entries of a list that are mappings; none of anything else."""
-    return [each for each in value if isinstance(each, Mapping)] if isinstance(value, list | tuple) else []
+    return [entry for entry in value if isinstance(entry, Mapping)] if isinstance(value, list | tuple) else []
 
 
 def whole(value: object) -> int:

@@ -144,26 +144,26 @@ class Optimised(Result):
 
         None where every choice tried that costs less misses several requirements, or one by no more than chance.
         """
-        own = next((each for each in self.tried if each.values == self.chosen), None)
-        if own is None or self.checked is None:
+        chosen = next((choice for choice in self.tried if choice.values == self.chosen), None)
+        if chosen is None or self.checked is None:
             return None
-        least, found = self.cost_of(own), None
-        for each in self.tried:
-            missed = [name for name, slack in each.slack.items() if slack < 0.0]
-            if len(missed) != 1 or self.cost_of(each) >= least:
+        least, ruled_out = self.cost_of(chosen), None
+        for choice in self.tried:
+            missed = [name for name, slack in choice.slack.items() if slack < 0.0]
+            if len(missed) != 1 or self.cost_of(choice) >= least:
                 continue
             quantity, _, place = missed[0].rpartition(" ")
             required = self.checked.requirements[int(place) - 1].required
-            if each.slack[missed[0]] < -_SURELY * math.sqrt(required * (1.0 - required) / each.trials):
-                least, found = (
-                    self.cost_of(each),
-                    RuledOut(quantity, self.cost_of(own) - self.cost_of(each), each.values),
+            if choice.slack[missed[0]] < -_SURELY * math.sqrt(required * (1.0 - required) / choice.trials):
+                least, ruled_out = (
+                    self.cost_of(choice),
+                    RuledOut(quantity, self.cost_of(chosen) - self.cost_of(choice), choice.values),
                 )
-        return found
+        return ruled_out
 
-    def cost_of(self, each: Tried) -> float:
+    def cost_of(self, choice: Tried) -> float:
         """Return the mean of what is to be least [W h or s]."""
-        return each.energy if self.aim == "energy" else each.duration
+        return choice.energy if self.aim == "energy" else choice.duration
 
     @property
     def total(self) -> Annotated[PhaseOutcome | None, Entry(parts=("quantities", "events"))]:
@@ -178,11 +178,11 @@ class Optimised(Result):
     @property
     def front(self) -> Annotated[list[dict[str, object]], Entry()]:
         """Choices that no other beats, as rows of the table."""
-        return [each.row() for each in self.tried if each.on_front]
+        return [choice.row() for choice in self.tried if choice.on_front]
 
     def to_frame(self) -> pd.DataFrame:
         """One row per choice tried."""
-        return pd.DataFrame([each.row() for each in self.tried])
+        return pd.DataFrame([choice.row() for choice in self.tried])
 
     def files(self) -> dict[str, str | bytes]:
         """Return `mission-optimised.yaml`, where there is one, `front.csv` and `tried.csv`."""

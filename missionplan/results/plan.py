@@ -85,16 +85,16 @@ class PlannedTransit(Record):
         ends = [number for number, point in enumerate(self.waypoints) if point.is_via]
         if not ends:
             return (self,)
-        found, begin = [], 0
+        parts, begin = [], 0
         for end in (*ends, len(self.waypoints) - 1):
             last, aim = self.waypoints[end], self.aim
             if aim is not None:
                 axes = ("east", "north", "latitude", "longitude")
                 off = {axis: getattr(last, axis) + getattr(aim, axis) - getattr(self.goal, axis) for axis in axes}
                 aim = replace(last, **off)
-            found.append(replace(self, waypoints=self.waypoints[begin : end + 1], aim=aim))
+            parts.append(replace(self, waypoints=self.waypoints[begin : end + 1], aim=aim))
             begin = end
-        return tuple(found)
+        return tuple(parts)
 
     @property
     def aim_off(self) -> float:
@@ -236,14 +236,14 @@ class Plan(Record):
     @property
     def parts(self) -> tuple[tuple[str, PlannedTransit | PlannedMooring], ...]:
         """The phases by their numbers, a transit round points on the way part by part: ``2.1``, ``2.2``."""
-        found: list[tuple[str, PlannedTransit | PlannedMooring]] = []
+        numbered_parts: list[tuple[str, PlannedTransit | PlannedMooring]] = []
         for number, phase in enumerate(self.phases, start=1):
             parts = phase.parts if isinstance(phase, PlannedTransit) else ()
             if len(parts) > 1:
-                found += [(f"{number}.{count}", part) for count, part in enumerate(parts, start=1)]
+                numbered_parts += [(f"{number}.{count}", part) for count, part in enumerate(parts, start=1)]
             else:
-                found.append((str(number), phase))
-        return tuple(found)
+                numbered_parts.append((str(number), phase))
+        return tuple(numbered_parts)
 
     @property
     def moorings(self) -> tuple[PlannedMooring, ...]:

@@ -116,13 +116,13 @@ def states_of(plan: Plan) -> tuple[State, ...]:
     """Return the states of a plan, the first one to begin with."""
     parts = plan.parts
     firsts = [f"{number}-{_first(phase)}" for number, phase in parts]
-    found: list[State] = []
+    states: list[State] = []
     for (number, phase), after in zip(parts, [*firsts[1:], "done"], strict=True):
         if isinstance(phase, PlannedMooring):
-            found += _mooring(phase, number, after)
+            states += _mooring(phase, number, after)
         else:
-            found += _transit(phase, number, after, plan.capacity)
-    return (*found, State("done", "done"), State("abort", "abort"))
+            states += _transit(phase, number, after, plan.capacity)
+    return (*states, State("done", "done"), State("abort", "abort"))
 
 
 def _first(phase: PlannedTransit | PlannedMooring) -> StateKind:
@@ -164,13 +164,13 @@ def _mooring(mooring: PlannedMooring, number: str, after: str) -> Iterator[State
     def state(kind: StateKind, *transitions: Transition) -> State:
         return State(f"{number}-{kind}", kind, mooring.name, transitions)
 
-    down, held = f"{number}-hold", f"{number}-ascend"
+    down, ascent = f"{number}-hold", f"{number}-ascend"
     yield state("release", Transition(f"{number}-descend", (Guard("since-fix", mooring.release_time),)))
     sunk = [Transition(down, (Guard("in-state", mooring.longest_sinking),))]
     if math.isfinite(mooring.touchdown_depth):
         sunk.insert(0, Transition(down, (Guard("at-depth", mooring.touchdown_depth),)))
     yield state("descend", *sunk)
-    yield state("hold", Transition(held, (Guard("in-state", mooring.hold),)))
+    yield state("hold", Transition(ascent, (Guard("in-state", mooring.hold),)))
     yield state(
         "ascend",
         Transition(f"{number}-fix", (Guard("in-state", mooring.galvanic_release), Guard("at-surface", SURFACE_DEPTH))),

@@ -122,14 +122,14 @@ class Prediction(Record):
         """Other ways to predict the same values, with what the mission is better by."""
         return {
             name: Gain(
-                each.rmse,
-                each.log_score,
-                each.crps,
+                yardstick.rmse,
+                yardstick.log_score,
+                yardstick.crps,
                 skill=self.skill(name),
-                log_score_gain=self.log_score - each.log_score,
-                crps_skill=1.0 - self.crps / each.crps if each.crps > 0.0 else 0.0,
+                log_score_gain=self.log_score - yardstick.log_score,
+                crps_skill=1.0 - self.crps / yardstick.crps if yardstick.crps > 0.0 else 0.0,
             )
-            for name, each in self.yardsticks.items()
+            for name, yardstick in self.yardsticks.items()
         }
 
 
@@ -189,7 +189,7 @@ class DatasetScore(Record):
     @property
     def stated_predictions(self) -> Annotated[dict[str, dict[str, object]], Entry(key="predictions")]:
         """Both predictions by name, and what each ``uses`` of the record."""
-        return {name: {"uses": USES[name], **each.summary()} for name, each in self.predictions.items()}
+        return {name: {"uses": USES[name], **prediction.summary()} for name, prediction in self.predictions.items()}
 
     @property
     def predictions(self) -> dict[str, Prediction]:
@@ -205,9 +205,9 @@ class DatasetScore(Record):
         """One row a value."""
         columns: dict[str, object] = {"dataset": self.name, "kind": self.kind, "group": self.labels}
         columns |= {"value": self.places, "measured_m": self.measured}
-        for name, each in self.predictions.items():
-            told = {"mean_m": each.mean, "sd_m": each.sd, "z": each.z, "pit": each.pit}
-            columns |= {f"{name}_{part}": values for part, values in told.items()}
+        for name, prediction in self.predictions.items():
+            parts = {"mean_m": prediction.mean, "sd_m": prediction.sd, "z": prediction.z, "pit": prediction.pit}
+            columns |= {f"{name}_{part}": values for part, values in parts.items()}
         return pd.DataFrame(columns)
 
 
@@ -223,7 +223,7 @@ class Score(Result):
     @property
     def is_within_chance(self) -> Annotated[bool, Entry(key="within_chance")]:
         """Whether chance allows the predictions of every data set."""
-        return all(each.is_within_chance for each in self.datasets)
+        return all(dataset.is_within_chance for dataset in self.datasets)
 
     def score(self) -> dict[str, object]:
         """Return the dictionary of ``score.json``."""
@@ -233,27 +233,27 @@ class Score(Result):
         """One row a data set and prediction."""
         rows = [
             {
-                "dataset": each.name,
-                "kind": each.kind,
+                "dataset": dataset.name,
+                "kind": dataset.kind,
                 "prediction": name,
-                "groups": each.groups,
-                "values": len(each.measured),
+                "groups": dataset.groups,
+                "values": len(dataset.measured),
                 "rmse_m": prediction.rmse,
                 "log_score": prediction.log_score,
                 "crps_m": prediction.crps,
-                "coverage_50": prediction.inside_50 / len(each.measured),
+                "coverage_50": prediction.inside_50 / len(dataset.measured),
                 "coverage_90": prediction.coverage_90,
                 "within_chance": prediction.is_within_chance,
                 **{f"skill_{other}": prediction.skill(other) for other in prediction.yardsticks},
             }
-            for each in self.datasets
-            for name, prediction in each.predictions.items()
+            for dataset in self.datasets
+            for name, prediction in dataset.predictions.items()
         ]
         return pd.DataFrame(rows)
 
     def residuals(self) -> pd.DataFrame:
         """One row a value of every data set."""
-        return pd.concat([each.residuals() for each in self.datasets], ignore_index=True)
+        return pd.concat([dataset.residuals() for dataset in self.datasets], ignore_index=True)
 
     def files(self) -> dict[str, str | bytes]:
         """``score.json``, ``scores.csv`` and ``residuals.csv``."""

@@ -253,13 +253,13 @@ class Outcome(Result):
     @property
     def sailed(self) -> tuple[MemberOutcome, ...]:
         """How often the mission succeeds in each member of the current's ensemble in which a trial sails."""
-        tried = (each for each in self.members if each.trials)
-        return tuple(MemberOutcome(each.causes[0], each.probability, each.success) for each in tried)
+        tried = (member for member in self.members if member.trials)
+        return tuple(MemberOutcome(member.causes[0], member.probability, member.success) for member in tried)
 
     @property
     def holds_equipment(self) -> bool:
         """Whether failures of equipment are among those of the trials."""
-        return any(each.held for each in self.provenance.holds if each.what == "equipment")
+        return any(coverage.held for coverage in self.provenance.holds if coverage.what == "equipment")
 
     @property
     def requirements_met(self) -> bool:
@@ -274,7 +274,7 @@ class Outcome(Result):
     @property
     def of_members(self) -> Annotated[list[dict[str, object]], Entry(key="members")]:
         """The same trials by the member of the current's ensemble that each sails in."""
-        entries = [(each.causes[0], each.summary()) for each in self.members]
+        entries = [(member.causes[0], member.summary()) for member in self.members]
         return [
             {"member": name, **{key: value for key, value in entry.items() if key != "causes"}}
             for name, entry in entries

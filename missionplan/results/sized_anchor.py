@@ -63,7 +63,7 @@ class BuiltAnchor(Record):
     @classmethod
     def of(cls, design: AnchorDesign | None) -> "BuiltAnchor":
         """Return what is built by a design."""
-        return cls(*(None if design is None else getattr(design, each.name) for each in fields(cls)))
+        return cls(*(None if design is None else getattr(design, field.name) for field in fields(cls)))
 
 
 @dataclass(frozen=True)
@@ -86,7 +86,7 @@ class NominalDive(Record):
     def of(cls, record: DescentRecord) -> "NominalDive":
         """Return the first of the dives of a record."""
 
-        def known(value: Array) -> float | None:
+        def first_value(value: Array) -> float | None:
             return float(value[0]) if math.isfinite(value[0]) else None
 
         return cls(
@@ -98,9 +98,9 @@ class NominalDive(Record):
             float(record.release_time[0]),
             float(record.payout_time[0]),
             bool(record.struck[0]),
-            known(record.snatch_tension),
-            known(record.nose_down_time),
-            known(record.depth_lost),
+            first_value(record.snatch_tension),
+            first_value(record.nose_down_time),
+            first_value(record.depth_lost),
         )
 
 

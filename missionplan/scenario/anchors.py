@@ -103,15 +103,15 @@ def _centres(vehicle: Vehicle[Scalars], mass: Scalars, carried: CarriedAnchors) 
     """Centres of gravity and of buoyancy from the foremost anchor's tip, where the file gives them."""
     if vehicle.centres is None:
         return {}
-    found = {}
-    own = (mass, mass + vehicle.net_buoyancy / STANDARD_GRAVITY)
-    for key, centre, weight in zip(("centre_of_gravity", "centre_of_buoyancy"), vehicle.centres, own, strict=True):
+    centres = {}
+    masses = (mass, mass + vehicle.net_buoyancy / STANDARD_GRAVITY)
+    for key, centre, weight in zip(("centre_of_gravity", "centre_of_buoyancy"), vehicle.centres, masses, strict=True):
         total = weight + carried.mass
         moment = weight * (centre.from_nose + carried.length) + carried.mass * 0.5 * carried.length
-        found[key] = centre.model_copy(
+        centres[key] = centre.model_copy(
             update={"from_nose": moment / total, "below_axis": centre.below_axis * weight / total}
         )
-    return found
+    return centres
 
 
 def overlap_height(means: DrawnMission) -> float:
@@ -133,18 +133,18 @@ def design_current(means: DrawnMission, phase: MoorPhase[Scalars]) -> tuple[Arra
     speeds, thicknesses : array, shape (k,)
         The phase's `design_current`; by default each layer's mean + 2 sd [m/s, m].
     """
-    site, given = MooringMission.of(means.mission).site, phase.design_current
+    site, design_speed = MooringMission.of(means.mission).site, phase.design_current
     depth = float(means.mooring.depth)
     if not isinstance(site.current, tuple) or not site.current:
-        if given is None or isinstance(given, tuple):
+        if design_speed is None or isinstance(design_speed, tuple):
             message = "missing; sizing the anchor needs one speed here where the site's current is not given in layers"
             raise InputError([Problem(message, means.mission.file, key=f"{phase.name}.design_current")])
-        return np.array([given]), np.array([depth])
+        return np.array([design_speed]), np.array([depth])
     thicknesses = layer_thicknesses(np.array([mean_of(layer.down_to) for layer in site.current]), depth)
-    if given is None:
+    if design_speed is None:
         speeds = [abs(mean_of(layer.speed)) + 2.0 * sd_of(layer.speed) for layer in site.current]
     else:
-        speeds = list(given) if isinstance(given, tuple) else [given] * len(site.current)
+        speeds = list(design_speed) if isinstance(design_speed, tuple) else [design_speed] * len(site.current)
     return np.array(speeds, dtype=float), thicknesses
 
 
@@ -189,16 +189,16 @@ def wet_weight_of(drawn: DrawnMission, phase: MoorPhase[Scalars]) -> Scalars:
 
     A spare one like it, which is aboard in the dive, changes the drag and so the weight: both are found together.
     """
-    given = phase.anchor_wet_weight
-    if not isinstance(given, str):
-        return given
+    wet_weight = phase.anchor_wet_weight
+    if not isinstance(wet_weight, str):
+        return wet_weight
     means = drawn.means
-    own = means.moor(phase.name)
+    mooring = means.moor(phase.name)
     if all(moor.name != phase.name for moor in _aboard(means, phase)):
-        return worst_case_weight(laden(means, phase), own)
-    weight, before = worst_case_weight(means, own), 0.0
+        return worst_case_weight(laden(means, phase), mooring)
+    weight, before = worst_case_weight(means, mooring), 0.0
     while not math.isclose(weight, before, rel_tol=1e-12):
-        weight, before = worst_case_weight(laden(means, phase, weight), own), weight
+        weight, before = worst_case_weight(laden(means, phase, weight), mooring), weight
     return weight
 
 
@@ -208,18 +208,18 @@ def anchor_problem(means: DrawnMission) -> AnchorProblem:
     Raises InputError where the mission gives the anchor no construction.
     """
     vehicle, anchor = means.mooring.vehicle, means.mooring.anchor
-    given = required(anchor.construction, means.mission, "vehicle.anchor.construction", "the anchor is built from it")
+    parts = required(anchor.construction, means.mission, "vehicle.anchor.construction", "the anchor is built from it")
     return AnchorProblem(
         radius=float(anchor.diameter) / 2.0,
         overlap_volume=float(anchor.overlap_volume),
         nose_radius=float(vehicle.hull.diameter) / 2.0,
         water_density=float(means.water.density),
         construction=Construction(
-            front=Part(float(given.front.mass), float(given.front.density), float(given.front.centre)),
-            back=Part(float(given.back.mass), float(given.back.density), float(given.back.centre_from_back)),
-            tube_mass_per_length=float(given.tube.mass_per_length),
-            tube_density=float(given.tube.density),
-            trim_density=float(given.trim.density),
+            front=Part(float(parts.front.mass), float(parts.front.density), float(parts.front.centre)),
+            back=Part(float(parts.back.mass), float(parts.back.density), float(parts.back.centre_from_back)),
+            tube_mass_per_length=float(parts.tube.mass_per_length),
+            tube_density=float(parts.tube.density),
+            trim_density=float(parts.trim.density),
         ),
     )
 
@@ -246,7 +246,7 @@ def anchor_flooded_mass(drawn: DrawnMission, weight: Scalars) -> Scalars:
     The vehicle file's, else that of the anchor built for the weight. Studies try weights that the mass in the file
     could not have, whatever it is made of: then it is that of lead of this weight.
     """
-    given = drawn.mooring.anchor.flooded_mass
-    if given is None:
+    mass = drawn.mooring.anchor.flooded_mass
+    if mass is None:
         return flooded_mass(dry_mass(anchor_problem(drawn.means), weight), weight)
-    return np.maximum(given, lead_mass(weight, drawn.water.density))
+    return np.maximum(mass, lead_mass(weight, drawn.water.density))

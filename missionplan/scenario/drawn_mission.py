@@ -194,10 +194,10 @@ class DrawnMission:
         doubts = [doubt for doubt in self.mission.doubts if doubt.told_apart]
         likely = [[k for k in doubt.told_apart if doubt.probabilities[k] >= LIKELY] for doubt in doubts]
         for numbers in product(*likely):
-            known = self.mission
+            mission = self.mission
             for doubt, number in zip(doubts, numbers, strict=True):
-                known = known.knowing(doubt.place, number)
-            effects = {"effect_list": known.at_means().effect_list}
+                mission = mission.knowing(doubt.place, number)
+            effects = {"effect_list": mission.at_means().effect_list}
             yield replace(self, drawn=self.drawn.model_copy(update=effects)) if doubts else self
 
     @cached_property
@@ -218,9 +218,9 @@ def _vector(east: Scalars, north: Scalars) -> Array:
 
 
 def _water(mission: Mission[Scalars]) -> Water:
-    given = required(mission.site.water if mission.site else None, mission, "site.water", "the drag depends on it")
-    if given.density is not None and given.viscosity is not None:
-        return Water(given.density, given.viscosity)
-    if given.temperature is None or given.salinity is None:
+    water = required(mission.site.water if mission.site else None, mission, "site.water", "the drag depends on it")
+    if water.density is not None and water.viscosity is not None:
+        return Water(water.density, water.viscosity)
+    if water.temperature is None or water.salinity is None:
         raise AssertionError("water has two of its quantities")  # as its section is read
-    return sea_water(given.temperature, given.salinity)
+    return sea_water(water.temperature, water.salinity)

@@ -92,15 +92,15 @@ def _netcdf(chart: Chart, files: FieldFiles) -> Grid:
 
 def _depth_variable(chart: Chart, files: FieldFiles) -> str:
     asked = chart.written.variable
-    holders = [str(key) for each in files.datasets for key, found in each.variables.items() if found.ndim >= 2]
+    holders = [str(key) for dataset in files.datasets for key, grid in dataset.variables.items() if grid.ndim >= 2]
     if asked is not None:
         if asked not in holders:
             raise chart.problem(
                 f"has no grid {asked!r}", did_you_mean(asked, holders) or f"it has {', '.join(holders)}"
             )
         return asked
-    known = [name for name in (*_UP, *_DOWN) if name in holders]
-    named = known[0] if known else files.named(standard=(*_STANDARD_UP, *_STANDARD_DOWN))
+    names = [name for name in (*_UP, *_DOWN) if name in holders]
+    named = names[0] if names else files.named(standard=(*_STANDARD_UP, *_STANDARD_DOWN))
     if named is None and len(holders) == 1:
         named = holders[0]
     if named is None:
@@ -130,7 +130,7 @@ def _grid_mapping(files: FieldFiles, name: str) -> str | None:
     """Return the reference system that CF's grid mapping spells out; None where there is none."""
     mapping = word(files.variable(name), "grid_mapping")
     mapping = mapping or str(files.variable(name).encoding.get("grid_mapping", ""))
-    if not mapping or all(mapping not in each.variables for each in files.datasets):
+    if not mapping or all(mapping not in dataset.variables for dataset in files.datasets):
         return None
     said = files.variable(mapping)
     if word(said, "grid_mapping_name") == "latitude_longitude":
@@ -246,8 +246,8 @@ def xyz(chart: Chart) -> Grid:
         values = np.full((rows.size, columns.size), np.nan)
         values[row, column] = z
         return Grid(columns, rows, values, is_up)
-    known = np.isfinite(z)
-    return _of_soundings(chart.to_plane(x[known], y[known], chart.system(None)), -z[known] if is_up else z[known])
+    mask = np.isfinite(z)
+    return _of_soundings(chart.to_plane(x[mask], y[mask], chart.system(None)), -z[mask] if is_up else z[mask])
 
 
 _BETWEEN = re.compile(r"\s*;\s*|\s*,\s+|\s+,\s*|\s+")
@@ -285,8 +285,8 @@ def _columns(chart: Chart, header: str) -> tuple[list[int], str]:
         re.sub(r"\W+", "_", cell).strip("_")
         for cell in re.split(r"[,;\t]" if re.search(r"[,;\t]", header) else r"\s+", header)
     ]
-    found = [[k for k, name in enumerate(names) if name.split("_")[0] in known] for known in _NAMES]
-    chosen = [places[0] for places in found if places]
+    columns = [[k for k, name in enumerate(names) if name.split("_")[0] in words] for words in _NAMES]
+    chosen = [places[0] for places in columns if places]
     if len(chosen) < 3 and len(names) > 3:
         raise chart.problem(f"cannot tell which of its columns are x, y and height: {header[:80]!r}")
     chosen = chosen if len(chosen) == 3 else [0, 1, 2]
@@ -297,10 +297,10 @@ def contours(chart: Chart) -> Grid:
     """Read lines, polygons or points with a property `depth`, positive down, and join them by triangles."""
     import shapely
 
-    known, system = features(chart)
+    shapes, system = features(chart)
     places: list[Array] = []
     depths: list[Array] = []
-    for geometry, properties in known:
+    for geometry, properties in shapes:
         depth = next((value for key, value in properties.items() if str(key).lower() == "depth"), None)
         if depth is None:
             continue
@@ -309,7 +309,7 @@ def contours(chart: Chart) -> Grid:
         points = shapely.get_coordinates(geometry)
         places.append(chart.to_plane(points[:, 0], points[:, 1], system))
         depths.append(np.full(len(points), float(depth)))
-    if not places or len({float(each[0]) for each in depths}) < 2:
+    if not places or len({float(contour[0]) for contour in depths}) < 2:
         raise chart.problem("expected contours of two depths or more, each with a property `depth`")
     joined, unique = np.unique(np.concatenate(places, axis=1), axis=1, return_index=True)
     return _of_soundings(joined, np.concatenate(depths)[unique])

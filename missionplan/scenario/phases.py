@@ -82,8 +82,8 @@ def line_strength(phase: MoorPhase[Scalars]) -> Scalars | None:
 
 def crossflow_coefficient(vehicle: Vehicle[Scalars]) -> Scalars:
     """Drag coefficient of the hull across the flow: the vehicle file's, else a cylinder's."""
-    given = vehicle.hull.crossflow_drag
-    return CROSSFLOW_COEFFICIENT if given is None else given
+    coefficient = vehicle.hull.crossflow_drag
+    return CROSSFLOW_COEFFICIENT if coefficient is None else coefficient
 
 
 def held_body(scenario: Scenario) -> HeldBody:

@@ -64,7 +64,7 @@ def ground_of(chart: Chart, grid: Grid) -> Ground:
     grid = _ascending(chart, _wrapped(chart, grid) if system == DEGREES else grid)
     places = chart.wanted()
     there = chart.from_plane(places, system)
-    rows, columns = (_near(axis, each) for axis, each in ((grid.y, there[1]), (grid.x, there[0])))
+    rows, columns = (_near(axis, coordinates) for axis, coordinates in ((grid.y, there[1]), (grid.x, there[0])))
     if rows.stop - rows.start < 2 or columns.stop - columns.start < 2:
         covered = f"it covers x from {grid.x[0]:.6g} to {grid.x[-1]:.6g} and y from {grid.y[0]:.6g} to {grid.y[-1]:.6g}"
         hint = f"are site.origin and {chart.key}.projection right?"
@@ -72,14 +72,14 @@ def ground_of(chart: Chart, grid: Grid) -> Ground:
     x, y = grid.x[columns], grid.y[rows]
     values = grid.values[rows, columns]
     depth = np.asarray(grid_files.without_fills(-values if grid.is_up else values), dtype=np.float32)
-    known = depth[np.isfinite(depth)]
-    if not known.size:
+    depths = depth[np.isfinite(depth)]
+    if not depths.size:
         raise chart.problem("holds no depth about the mission: all values there are missing")
-    if known.max() > _DEEPEST or known.min() < -_HIGHEST:
-        worst = float(known[np.argmax(np.abs(known))])
+    if depths.max() > _DEEPEST or depths.min() < -_HIGHEST:
+        worst = float(depths[np.argmax(np.abs(depths))])
         message = f"holds a depth of {worst:.6g} m, which is none of this planet"
         raise chart.problem(message, "is it a fill value that the file does not declare, or another unit?")
-    if known.max() <= 0.0:
+    if depths.max() <= 0.0:
         other = "down" if chart.written.positive != "down" else "up"
         message = "holds no water about the mission: all of it lies above the datum"
         raise chart.problem(message, f"do its values count {other}wards? {chart.key}.positive says so")
@@ -135,7 +135,9 @@ _HIGHEST_TIDE = 30.0
 def mission_places(mission: Mission) -> Array:
     """Where the transits of a mission begin and end and what lies between, at the means, shape (2, k) [m]."""
     origin = mission.site.origin if mission.site else None
-    written = [each for phase in mission.transits for each in (phase.start, *phase.ways, phase.to) if each is not None]
+    written = [
+        place for phase in mission.transits for place in (phase.start, *phase.ways, phase.to) if place is not None
+    ]
     places = []
     for position in written:
         if not isinstance(position, Geographic):
@@ -192,9 +194,9 @@ def _read(
         if key == "bathymetry":
             ground = read_ground(chart)
         else:
-            found, away = read_zones(chart, moment_of(start) if start else None, is_land=key == "land")
-            zones += found
-            if not found:
+            polygons, away = read_zones(chart, moment_of(start) if start else None, is_land=key == "land")
+            zones += polygons
+            if not polygons:
                 notices.append(f"site.{key}: no polygon is near the mission; the nearest is {away / 1e3:.3g} km away.")
     return ground, Fence(tuple(zones)) if zones else None, tuple(notices)
 

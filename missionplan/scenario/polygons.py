@@ -95,12 +95,12 @@ class Chart:
         from pyproj.exceptions import ProjError
 
         try:
-            found: Transform = Transformer.from_crs(begin, end, always_xy=True).transform
+            transform: Transform = Transformer.from_crs(begin, end, always_xy=True).transform
         except ProjError as error:
             named = next(system for system in (begin, end) if system != DEGREES)
             message = f"given {named[:60]!r}, which is no reference system: {str(error).partition(':')[0]}"
             raise InputError([Problem(message, self.written.file, key=f"{self.key}.projection")]) from None
-        return found
+        return transform
 
 
 def longitude_beside(longitude: Array, origin: Geographic) -> Array:
@@ -143,11 +143,11 @@ def _geojson(chart: Chart) -> tuple[list[Feature], str]:
 
     try:
         data = json.loads(chart.path.read_text(encoding="utf-8-sig"))
-        known = [(shape(geometry), properties) for geometry, properties in _parts(data)]
+        shapes = [(shape(geometry), properties) for geometry, properties in _parts(data)]
         system = str(data.get("crs", {}).get("properties", {}).get("name", ""))
     except (OSError, ValueError, KeyError, TypeError, AttributeError, ShapelyError) as error:
         raise chart.problem(f"cannot be read as GeoJSON: {type(error).__name__}: {error}") from None
-    return known, chart.system(None if re.search(r"CRS84$|\D4326$|^$", system) else system)
+    return shapes, chart.system(None if re.search(r"CRS84$|\D4326$|^$", system) else system)
 
 
 def _parts(data: Any) -> Iterator[tuple[Mapping[str, Any], Mapping[str, object]]]:
@@ -173,20 +173,20 @@ def _vector(chart: Chart) -> tuple[list[Feature], str]:
         raise chart.problem("reading GeoPackage and shapefiles needs pyogrio and shapely", hint) from None
     try:
         layers = [name for name, kind in pyogrio.list_layers(chart.path) if kind is not None]
-        found: list[Feature] = []
+        shapes: list[Feature] = []
         system: str | None = None
         for layer in layers:
             meta, _, wkb, columns = pyogrio.raw.read(chart.path, layer=layer)
             system, names = meta["crs"] or system, [str(name) for name in meta["fields"]]
             rows = zip(*columns, strict=True) if len(columns) else ((),) * len(wkb)
-            found += [
+            shapes += [
                 (geometry, dict(zip(names, row, strict=True)))
                 for geometry, row in zip(shapely.from_wkb(wkb), rows, strict=True)
                 if geometry is not None
             ]
     except Exception as error:  # GDAL's drivers raise many kinds for what is damaged
         raise chart.problem(f"cannot be read: {str(error).partition(chr(10))[0]}") from None
-    return found, chart.system(system)
+    return shapes, chart.system(system)
 
 
 def read_zones(chart: Chart, start: datetime | None, *, is_land: bool) -> tuple[list[Zone], float]:
@@ -198,15 +198,15 @@ def read_zones(chart: Chart, start: datetime | None, *, is_land: bool) -> tuple[
     """
     import shapely
 
-    known, system = features(chart)
+    shapes, system = features(chart)
     box = shapely.box(*chart.low, *chart.high)
     windows = _windows(chart) if system == DEGREES else []
     zones: list[Zone] = []
     count = 0
-    for number, (geometry, properties) in enumerate(known, start=1):
+    for number, (geometry, properties) in enumerate(shapes, start=1):
         parts = _polygons(_across_date_line(geometry) if system == DEGREES else geometry)
         count += len(parts)
-        placed = [each for part in parts for each in _placed(chart, part, system, windows)]
+        placed = [polygon for part in parts for polygon in _placed(chart, part, system, windows)]
         near = [part for part in placed if shapely.intersects(part, box)]
         if near:
             name = str(properties.get("name") or f"{chart.path.stem} {number}")
@@ -214,7 +214,7 @@ def read_zones(chart: Chart, start: datetime | None, *, is_land: bool) -> tuple[
             zones += [Zone(shapely.union_all(near), name, is_land=is_land, **limit) for limit in limits]
     if not count:
         raise chart.problem("holds no polygons", "coastlines are lines: land needs polygons")
-    corners = shapely.get_coordinates([geometry for geometry, _ in known]) if not zones else np.empty((0, 2))
+    corners = shapely.get_coordinates([geometry for geometry, _ in shapes]) if not zones else np.empty((0, 2))
     return zones, float(np.hypot(*chart.to_plane(corners[:, 0], corners[:, 1], system)).min(initial=np.inf))
 
 
@@ -280,10 +280,10 @@ def _placed(
             hint = f"{chart.key}.projection: EPSG:… names their system; `local` is for metres from the origin"
             raise chart.problem("its coordinates are not degrees", hint)
         cut = [shapely.clip_by_rect(polygon, *window) for window in windows]
-        parts = [shapely.segmentize(each, _LONGEST_EDGE) for piece in cut for each in _polygons(piece)]
+        parts = [shapely.segmentize(part, _LONGEST_EDGE) for piece in cut for part in _polygons(piece)]
     else:
         parts = [polygon]
-    return [each for part in parts for each in _polygons(shapely.transform(shapely.force_2d(part), moved))]
+    return [piece for part in parts for piece in _polygons(shapely.transform(shapely.force_2d(part), moved))]
 
 
 _BLANKS = ("", "None", "nan", "NaT")
@@ -294,13 +294,13 @@ def _limits(
     chart: Chart, properties: Mapping[str, object], name: str, start: datetime | None
 ) -> list[dict[str, float]]:
     """Read when and at which depths a zone holds; two, where it forbids both what is above and what is below."""
-    given = {str(key).lower(): value for key, value in properties.items() if str(value) not in _BLANKS}
+    entries = {str(key).lower(): value for key, value in properties.items() if str(value) not in _BLANKS}
     times: dict[str, float] = {}
     for key, field in (("from", "since"), ("to", "until")):
-        if key in given:
-            times[field] = _since_start(chart, given[key], f"{name}: {key}", start)
-    keys = [key for key in ("above", "below") if key in given]
-    depths: dict[str, float] = {key: _depth(chart, given[key], f"{name}: {key}") for key in keys}
+        if key in entries:
+            times[field] = _since_start(chart, entries[key], f"{name}: {key}", start)
+    keys = [key for key in ("above", "below") if key in entries]
+    depths: dict[str, float] = {key: _depth(chart, entries[key], f"{name}: {key}") for key in keys}
     if times.get("since", -math.inf) > times.get("until", math.inf):
         raise chart.problem(f"{name}: `from` is after `to`")
     if len(depths) == 2 and depths["above"] <= depths["below"]:

@@ -98,8 +98,8 @@ class Scenario(DrawnMission):
         joint = JointDistribution.of(mission.quantities(), mission.correlated, streams)
         if listed.learned is None or SIGMA not in listed.learned.draws.columns or SIGMA_KEY in joint.correlated:
             return joint
-        own = joint.marginals.get(SIGMA_KEY)  # stays as the mission has it, and gets the ranks of the draws
-        tied = {} if own is None else {SIGMA_KEY: Tied(own, listed.learned.held.scores(SIGMA))}
+        sigma = joint.marginals.get(SIGMA_KEY)  # stays as the mission has it, and gets the ranks of the draws
+        tied = {} if sigma is None else {SIGMA_KEY: Tied(sigma, listed.learned.held.scores(SIGMA))}
         return replace(joint, marginals={**joint.marginals, **tied}, streams={**streams, SIGMA_KEY: POSTERIOR})
 
     def _with_depth(self) -> "Scenario":
@@ -120,12 +120,12 @@ class Scenario(DrawnMission):
         if self.propelled is None or all(phase.shaft_rate is None for phase in self.drawn.transits):
             return self
         bare = replace(self, expected=self.expected or self)  # what an anchor weighs depends on no speed of a transit
-        given = {
+        speeds = {
             f"{phase.name}.speed": propelled.speed(phase.shaft_rate)
             for phase in self.drawn.transits
             if phase.shaft_rate is not None and (propelled := bare._propelled(phase)) is not None
         }
-        return replace(self, drawn=self.drawn.at(given))
+        return replace(self, drawn=self.drawn.at(speeds))
 
     @cached_property
     def means(self) -> "Scenario":
@@ -136,8 +136,8 @@ class Scenario(DrawnMission):
     def draws(self) -> Mapping[str, Array]:
         """What was drawn, by the names of the quantities that are distributions, shape (n,) each."""
         values = self.drawn.quantities()
-        found = {name: np.asarray(values[name], dtype=float) for name in self.means._joint.marginals}
-        return found if self.member is None else {**found, MEMBER: self.member}
+        draws = {name: np.asarray(values[name], dtype=float) for name in self.means._joint.marginals}
+        return draws if self.member is None else {**draws, MEMBER: self.member}
 
     def stream_of(self, name: str) -> str:
         """Return the name of the stream that an uncertain quantity is drawn from."""
@@ -148,10 +148,10 @@ class Scenario(DrawnMission):
         """The site's current; None in still water."""
         if self.recorded is not None:
             return self.sailed or self.recorded
-        given = self.drawn.site.current if self.drawn.site else ()
-        if not isinstance(given, tuple) or not given:
+        site_current = self.drawn.site.current if self.drawn.site else ()
+        if not isinstance(site_current, tuple) or not site_current:
             return None
-        return layers(*zip(*((layer.down_to, layer.speed, layer.toward) for layer in given), strict=True))
+        return layers(*zip(*((layer.down_to, layer.speed, layer.toward) for layer in site_current), strict=True))
 
     def transit_plan(self, phase: TransitPhase[Scalars]) -> TransitPlan:
         """Return the parameters of one transit.
@@ -186,7 +186,7 @@ class Scenario(DrawnMission):
     @cached_property
     def _ways_round(self) -> Mapping[str, tuple[Array, ...]]:
         """Ways of the transits that leave theirs to the program; `self` being at the means."""
-        found, here = {}, np.zeros(2)
+        ways, here = {}, np.zeros(2)
         for phase in self.drawn.transits:
             start = here if phase.start is None else self.position(phase.start)
             here = self.position(phase.to)
@@ -203,8 +203,8 @@ class Scenario(DrawnMission):
                 message = f"no way from start to goal keeps {margin:.3g} m, the drift of a leg, from what blocks it"
                 hint = "a shorter d_max drifts less far; points given as via may pass nearer"
                 raise InputError([Problem(message, self.mission.file, key=f"{phase.name}.via", hint=hint)])
-            found[phase.name] = way
-        return found
+            ways[phase.name] = way
+        return ways
 
     def environment(self, phase: TransitPhase[Scalars]) -> Environment:
         """Return the current, the drift compensation and the effects of one transit."""

@@ -228,9 +228,9 @@ def members_drawn(recorded: Current | None, seed: int, trials: int) -> NDArray[n
     """Return which member each trial of a run sails in, shape (n,); None where there is no ensemble."""
     if not isinstance(recorded, Ensemble):
         return None
-    streams, found = CommonStreams(seed), []
+    streams, members = CommonStreams(seed), []
     for block in range(block_count(trials)):
         drawn = with_member(recorded, streams.of_block(block), block_size(trials, block))
         if isinstance(drawn, Ensemble) and drawn.chosen is not None:
-            found.append(drawn.chosen)
-    return np.concatenate(found)
+            members.append(drawn.chosen)
+    return np.concatenate(members)

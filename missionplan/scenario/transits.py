@@ -53,8 +53,8 @@ def surge_added_mass(hull: Hull, vehicle: Vehicle[Scalars], mass: Scalars) -> Sc
     """
     if vehicle.added_mass is not None and vehicle.added_mass.surge is not None:
         return vehicle.added_mass.surge
-    given = vehicle.hull.added_mass
-    fraction = lamb_axial_coefficient(hull.length / hull.diameter) if given is None else given
+    added_mass = vehicle.hull.added_mass
+    fraction = lamb_axial_coefficient(hull.length / hull.diameter) if added_mass is None else added_mass
     return fraction * displaced_mass(mass, vehicle.net_buoyancy)
 
 

@@ -69,8 +69,8 @@ def _shoals(place: Place, ground: Ground, box: tuple[Array, Array], depth: float
         for outline, starts in zip(outlines, offsets, strict=True)
         if outline is not None and starts is not None
     ]
-    found = shapely.union_all([shapely.make_valid(shapely.Polygon(ring[0], ring[1:])) for ring in rings])
-    return found.buffer(-step) if surely else found
+    shoals = shapely.union_all([shapely.make_valid(shapely.Polygon(ring[0], ring[1:])) for ring in rings])
+    return shoals.buffer(-step) if surely else shoals
 
 
 def way_round(place: Place, start: Array, goal: Array, depth: float, margin: float) -> tuple[Array, ...] | None:

@@ -156,9 +156,9 @@ def kept_or_run(
     with closing(run([item for item in items if number(item) not in kept])) as fresh:
         for item in items:
             place = number(item)
-            known = store.read(*place) if store is not None and place in kept else None
-            if known is not None:
-                block = form[1](known)
+            kept_arrays = store.read(*place) if store is not None and place in kept else None
+            if kept_arrays is not None:
+                block = form[1](kept_arrays)
             else:  # one that was kept has been damaged or taken away meanwhile
                 block = next(run([item]) if place in kept else fresh)
                 if store is not None and (arrays := form[0](block)) is not None:

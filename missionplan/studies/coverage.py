@@ -27,64 +27,64 @@ def probability_holds(mission: Mission) -> tuple[Coverage, ...]:
     """Return the box: ground, coast, wind, waves, traffic, equipment, biofouling, operators; none without a phase."""
     if not mission.phases:
         return ()
-    return tuple(Coverage(what, held, why) for what, held, why in _rows(mission))
+    return tuple(Coverage(what, is_held, why) for what, is_held, why in _rows(mission))
 
 
 def coverage_of(alternatives: Mapping[str, Mission | Mapping[str, object]]) -> tuple[Coverage, ...]:
     """Return the boxes of missions and of reports' summaries as one, what they do not share under their names."""
     boxes = {
-        name: probability_holds(each)
-        if isinstance(each, Mission)
+        name: probability_holds(case)
+        if isinstance(case, Mission)
         else tuple(
             Coverage(str(row.get("what")), row.get("held") is True, str(row.get("why")))
-            for row in mappings(each.get("probability_holds"))
+            for row in mappings(case.get("probability_holds"))
         )
-        for name, each in alternatives.items()
+        for name, case in alternatives.items()
     }
-    found: list[Coverage] = []
+    coverages: list[Coverage] = []
     for what in dict.fromkeys(row.what for box in boxes.values() for row in box):
         rows = {name: row for name, box in boxes.items() for row in box if row.what == what}
         if len(rows) == len(boxes) and len(set(rows.values())) == 1:
-            found.append(next(iter(rows.values())))
+            coverages.append(next(iter(rows.values())))
         else:
-            found += [replace(row, what=f"{what} ({name})") for name, row in rows.items()]
-    return tuple(found)
+            coverages += [replace(row, what=f"{what} ({name})") for name, row in rows.items()]
+    return tuple(coverages)
 
 
 def checked_ranges(mission: Mission) -> tuple[CheckedRange, ...]:
     """Return the quantities of a mission, at the means, beside the ranges in which the models were checked."""
-    found = []
+    ranges = []
     for key, values in _quantities(mission).items():
-        known = [value for value in values if math.isfinite(value)]
-        if known:
+        numbers = [value for value in values if math.isfinite(value)]
+        if numbers:
             checked = RANGES[key]
-            ends = min(known), max(known)
-            found.append(CheckedRange(checked.quantity, *ends, checked.low, checked.high, checked.unit, checked.rows))
-    return tuple(found)
+            ends = min(numbers), max(numbers)
+            ranges.append(CheckedRange(checked.quantity, *ends, checked.low, checked.high, checked.unit, checked.rows))
+    return tuple(ranges)
 
 
 def _quantities(mission: Mission) -> dict[str, list[float]]:
     """Values by the keys of `RANGES` [SI]; a field of an ocean model has no layers to be told of here."""
-    found: dict[str, list[float]] = {}
+    values: dict[str, list[float]] = {}
     if mission.transits and mission.navigation is not None:
         error = math.sqrt(0.5 * float(np.trace(mission.navigation.velocity_error.covariance)))
         places = mission_places(mission)
-        found["speed_error"] = [error / mean_of(phase.speed) for phase in mission.transits]
-        found["leg"] = [
+        values["speed_error"] = [error / mean_of(phase.speed) for phase in mission.transits]
+        values["leg"] = [
             mean_of(phase.d_max) / mean_of(phase.arrival_radius)
             for phase in mission.transits
             if not hasattr(phase.d_max, "table")
         ]
-        found["transit"] = [float(length) for length in np.hypot(*np.diff(places, axis=1)) if length > 0.0]
+        values["transit"] = [float(length) for length in np.hypot(*np.diff(places, axis=1)) if length > 0.0]
     if mission.moors:
         site = mission.site or Site()
         layers = site.current if isinstance(site.current, tuple) else ()
         speeds = [abs(mean_of(layer.speed)) for layer in layers]
-        found["depth"] = [mean_of(site.depth)] if site.depth is not None else []
-        found["line"] = [mean_of(phase.line_length) for phase in mission.moors]
-        found["line_diameter"] = [mean_of(phase.line_diameter) for phase in mission.moors]
-        found["dive_current"], found["hold_current"] = speeds, speeds[-1:]
-    return found
+        values["depth"] = [mean_of(site.depth)] if site.depth is not None else []
+        values["line"] = [mean_of(phase.line_length) for phase in mission.moors]
+        values["line_diameter"] = [mean_of(phase.line_diameter) for phase in mission.moors]
+        values["dive_current"], values["hold_current"] = speeds, speeds[-1:]
+    return values
 
 
 def _rows(mission: Mission) -> Iterator[tuple[str, bool, str]]:

@@ -32,7 +32,7 @@ _FACTORS: Array = np.geomspace(0.05, 20.0, 401)
 
 def held_vehicle(means: Scenario, phase: MoorPhase[Scalars], weight: float) -> HeldVehicle:
     """Find how the vehicle of a mooring stands above an anchor of a weight in water [N]."""
-    hold, given = lifted(hold_of(means, phase, weight), means.descent_effects), means.mooring
+    hold, mooring = lifted(hold_of(means, phase, weight), means.descent_effects), means.mooring
     currents = dict(_currents(means, phase, hold))
     worst = list(currents.values())[-1]
     return HeldVehicle(
@@ -44,8 +44,8 @@ def held_vehicle(means: Scenario, phase: MoorPhase[Scalars], weight: float) -> H
         anchor_weight=weight,
         line_length=float(hold.line.length),
         friction=float(hold.anchor.friction),
-        friction_given=given.anchor.holding_factor is not None,
-        centres_given=given.vehicle.centres is not None,
+        friction_given=mooring.anchor.holding_factor is not None,
+        centres_given=mooring.vehicle.centres is not None,
         if_polyester=_if_polyester(hold, phase, worst),
         states=tuple(_state(hold, name, layers) for name, layers in currents.items()),
         remedies=tuple(_remedies(hold, means, worst, _faults(means.mission.requirements, phase))),
@@ -88,8 +88,8 @@ def _worst(means: Scenario, phase: MoorPhase[Scalars], current: LayeredCurrent) 
     mean = np.hypot(east, north)
     if speeds.size != mean.size:
         return current
-    given = means.mooring.site.current
-    toward = np.array([float(layer.toward) for layer in given]) if isinstance(given, tuple) else np.zeros(mean.size)
+    layers = means.mooring.site.current
+    toward = np.array([float(layer.toward) for layer in layers]) if isinstance(layers, tuple) else np.zeros(mean.size)
     sign = np.where(east * np.sin(toward) + north * np.cos(toward) < 0.0, -1.0, 1.0)
     return LayeredCurrent(current.down_to, sign * speeds * np.sin(toward), sign * speeds * np.cos(toward))
 
@@ -197,7 +197,7 @@ def _remedies(hold: Hold, means: Scenario, layers: LayersAbove, faults: Iterator
     knobs = _knobs(hold, means) if wrong else ()
     records = {knob: _record(knob.changed(knob.value * _FACTORS), layers) for knob in knobs}
     for fault in wrong:
-        found, useless = [], []
+        remedies, useless = [], []
         for knob, record in records.items():
             factors = _FACTORS[fault.is_mended(record)]
             factor = float(factors[np.argmin(np.abs(np.log(factors)))]) if factors.size else None
@@ -205,10 +205,10 @@ def _remedies(hold: Hold, means: Scenario, layers: LayersAbove, faults: Iterator
                 useless.append(knob.name)
             else:
                 needed = f"{knob.article} {knob.name} of {factor * knob.value:.3g} {knob.unit}"
-                found.append(f"{needed} instead of {knob.value:.3g} {knob.unit}")
+                remedies.append(f"{needed} instead of {knob.value:.3g} {knob.unit}")
         words = f"In the worst current {fault.words}."
-        if found:
-            words += f" It would be mended by {'; or by '.join(found)}."
+        if remedies:
+            words += f" It would be mended by {'; or by '.join(remedies)}."
         if useless:
             words += f" No {' and no '.join(useless)} from a twentieth to twenty times the present one does."
         yield words

@@ -60,34 +60,34 @@ def ledger(
     if not doubts:
         return ()
     if run is not None and run.success.size >= TRIALS:
-        base = {each: Count.of(trial[:TRIALS]).probability() for each, trial in happened(mission, run).items()}
+        base = {counted: Count.of(trial[:TRIALS]).probability() for counted, trial in happened(mission, run).items()}
     else:
         base = event_probabilities(mission, trials=TRIALS, seed=seed)
     is_required = any(requirement.quantity == "total.success" for requirement in mission.requirements)
-    found = []
+    rows = []
     for doubt in doubts:
         try:
             other = event_probabilities(mission.with_(dict(doubt.changes)), trials=TRIALS, seed=seed)
         except (MissionplanError, ArithmeticError):  # a plug-in's phase, a key that another forbids
-            found.append(Assumption(doubt.what, doubt.otherwise, math.nan, math.nan, first=doubt.first))
+            rows.append(Assumption(doubt.what, doubt.otherwise, math.nan, math.nan, first=doubt.first))
             continue
         missed = []
         for index, requirement in enumerate(mission.requirements):
-            before, after = (each[Counted.requirement(index)].value for each in (base, other))
+            before, after = (probabilities[Counted.requirement(index)].value for probabilities in (base, other))
             reached = asked[index].probability.value if asked else before
             if before - after >= LEAST_WORTH and reached - before + after < requirement.probability <= reached:
                 missed.append(requirement)
         before, after = base[SUCCESS].value, other[SUCCESS].value
-        names, phases = tuple(each.written for each in missed), tuple(each.phase for each in missed)
-        told = doubt.what, doubt.otherwise, after - before, after, names, is_required, _spoilt(base, other)
-        found.append(Assumption(*told, doubt.first, phases))
-    return tuple(sorted(found, key=lambda each: (not each.turns, math.isnan(each.worth), each.worth)))
+        names, phases = tuple(miss.written for miss in missed), tuple(miss.phase for miss in missed)
+        fields = doubt.what, doubt.otherwise, after - before, after, names, is_required, _spoilt(base, other)
+        rows.append(Assumption(*fields, doubt.first, phases))
+    return tuple(sorted(rows, key=lambda row: (not row.turns, math.isnan(row.worth), row.worth)))
 
 
 def _spoilt(base: Mapping[Counted, Probability], other: Mapping[Counted, Probability]) -> str:
     """Name the phase that loses most more trials than before; empty where none does."""
     more: dict[str, float] = {"": 0.0}
-    for step in (each for each in other if each.kind is CountedKind.FAILURE):
+    for step in (counted for counted in other if counted.kind is CountedKind.FAILURE):
         more[step.of] = more.get(step.of, 0.0) + other[step].value - (base[step].value if step in base else 0.0)
     return max(more, key=lambda phase: more[phase])
 
@@ -162,7 +162,7 @@ def _layers(mission: Mission, current: Sequence[CurrentLayer[Quantity]]) -> Iter
         yield Doubt("the layers flow just as fast as stated", "0.1 m/s faster or slower", exact, first)
     fastest = max((abs(mean_of(layer.speed)) for layer in current), default=0.0)
     name = next(name for name, info in CATALOGUE.items() if {f"m2_{axis}" for axis in _AXES} <= info.parameters.keys())
-    if mission.transits and fastest and not any(each.effect == name for each in mission.effects):
+    if mission.transits and fastest and not any(effect.effect == name for effect in mission.effects):
         strength, phase = {"low": f"{-fastest!r} m/s", "high": f"{fastest!r} m/s"}, f"{math.pi / 2.0!r} rad"
         tide = {f"m2_{axis}": strength for axis in _AXES} | {f"m2_{axis}_phase": phase for axis in _AXES}
         changes = {"effects": [*mappings(mission.raw.get("effects")), {name: tide}]}
@@ -173,9 +173,9 @@ def _layers(mission: Mission, current: Sequence[CurrentLayer[Quantity]]) -> Iter
 def _has_current(mission: Mission) -> bool:
     """Whether the mission's site or its effects tell of a current, of those in doubt at least as likely as not."""
     flow = {name for name, info in CATALOGUE.items() if info.is_steady_current or info.is_modulated}
-    always = any(each.effect in flow and each.explanation is None for each in mission.effects)
+    always = any(entry.effect in flow and entry.explanation is None for entry in mission.effects)
     likely = (
-        sum(share for share, held in zip(doubt.probabilities, doubt.causes, strict=True) if flow.intersection(held))
+        sum(share for share, causes in zip(doubt.probabilities, doubt.causes, strict=True) if flow.intersection(causes))
         for doubt in mission.doubts
     )
     return bool(mission.site and mission.site.current) or always or max(likely, default=0.0) >= 0.5

@@ -119,7 +119,7 @@ def single_interval(means: Scenario, phase: TransitPhase[Scalars], legs: LegTabl
     candidates = [float(length) for length in scenario.d_max]
     plans = [LegsAtSpeed(legs), *(LegsAtSpeed(length) for length in candidates)]
     table, *single = run_plans(scenario, plans, seed, PILOT_BLOCK, TRIALS)
-    scores = [expected_cost(found, scenario.required_arrival, found.duration) for found in single]
+    scores = [expected_cost(trials, scenario.required_arrival, trials.duration) for trials in single]
     best = min(range(len(single)), key=scores.__getitem__)
     both = single[best].arrived & table.arrived
     extra = single[best].duration[both] - table.duration[both]
@@ -295,19 +295,19 @@ def _sailed_by_its_vehicle(
     planned: PlannedTransit, executes: Executes, sail: Callable[[Execution], TransitDurations]
 ) -> PlannedTransit:
     """Give a transit as many legs after the nominal ones as its vehicle needs, and durations by its rules."""
-    extra, found = 0, sail(executes(planned))
+    extra, durations = 0, sail(executes(planned))
     if executes(planned).ends == "count":
-        tried = [found]
+        tried = [durations]
         while tried[-1].arrived < ENOUGH and len(tried) <= MOST_EXTRA_LEGS:
             tried.append(sail(executes(replace(planned, extra_legs=len(tried)))))
         extra = max(range(len(tried)), key=lambda number: tried[number].arrived)
-        found = tried[extra]
+        durations = tried[extra]
     return replace(
         planned,
         extra_legs=extra,
-        duration_p99=found.whole,
+        duration_p99=durations.whole,
         waypoints=tuple(
-            replace(point, duration_p99=found.leg(number - 1)) if number else point
+            replace(point, duration_p99=durations.leg(number - 1)) if number else point
             for number, point in enumerate(planned.waypoints)
         ),
     )

@@ -48,7 +48,7 @@ def check_arguments(
     arguments that are text or None. Raises InputError with every argument that is wrong, else every problem of the
     mission's file.
     """
-    count, listed = "a whole number", [(name, value, known) for name, (value, known) in (one_of or {}).items()]
+    count, listed = "a whole number", [(name, value, choices) for name, (value, choices) in (one_of or {}).items()]
     kinds = (
         ("mission", mission, isinstance(mission, Mission | str | PurePath), "a Mission, or the path of a mission file"),
         ("trials", trials, trials is None or _is_whole(trials, 1), f"{count}, at least 1"),
@@ -60,7 +60,7 @@ def check_arguments(
             f"{count} from 1 to {MAX_JOBS}, or -1 for every core",
         ),
         *((name, value, value is None or isinstance(value, str), "text") for name, value in (text or {}).items()),
-        *((name, value, value in known, f"one of {', '.join(map(str, known))}") for name, value, known in listed),
+        *((name, value, value in choices, f"one of {', '.join(map(str, choices))}") for name, value, choices in listed),
     )
     problems = [
         Problem(f"given {shown(value)}, expected {expected}", key=name)
@@ -82,11 +82,11 @@ def identified_datasets(folders: Iterable[Path]) -> dict[str, object]:
     """Return data sets as an input of an identity: the SHA-256 of each of their files."""
     from missionplan.datasets import dataset_files  # pandas: half a second
 
-    found = []
+    datasets = []
     for folder in folders:
         files = {str(path.relative_to(folder)): digest_of_files([path]) for path in dataset_files(folder)}
-        found.append({"name": folder.resolve().name, "files": files})
-    return {"datasets": found}
+        datasets.append({"name": folder.resolve().name, "files": files})
+    return {"datasets": datasets}
 
 
 @dataclass(frozen=True)
@@ -141,8 +141,8 @@ class Run:
         """Yield effects and probability of each explanation of each doubt, the others as they are, and the run then."""
         for doubt in self.mission.doubts:
             for number in doubt.told_apart:
-                known = replace(self, mission=self.mission.knowing(doubt.place, number))
-                yield doubt.causes[number], doubt.probabilities[number], known
+                run = replace(self, mission=self.mission.knowing(doubt.place, number))
+                yield doubt.causes[number], doubt.probabilities[number], run
 
     def in_members(self, recorded: Current | None) -> Iterator[tuple[str, float, Current, "Run"]]:
         """Yield name and probability of each member of a current's ensemble, the current then, and the run in it.

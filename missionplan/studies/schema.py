@@ -133,7 +133,7 @@ class _Records:
         if origin is Annotated:
             return self._value(arguments[0], parts)
         if origin in (Union, UnionType):
-            return {"anyOf": [self._value(each, parts) for each in arguments]}
+            return {"anyOf": [self._value(argument, parts) for argument in arguments]}
         if origin is Literal:
             return {"enum": list(arguments)}
         if origin in (tuple, list):
@@ -231,9 +231,9 @@ def _of_model(model: type[BaseModel]) -> Schema:
 def _of_datasets() -> Schema:
     settings, definitions = written(*(form.settings for form in _FORMATS))
     kinds: list[Schema] = []
-    for form, own in zip(_FORMATS, settings, strict=True):
-        own["properties"]["kind"] = {"const": form.kind}
-        kinds.append({"if": {"properties": {"kind": {"const": form.kind}}}, "then": own})
+    for form, section in zip(_FORMATS, settings, strict=True):
+        section["properties"]["kind"] = {"const": form.kind}
+        kinds.append({"if": {"properties": {"kind": {"const": form.kind}}}, "then": section})
     return {
         "type": "object",
         "properties": {"kind": {"enum": [form.kind for form in _FORMATS]}},

@@ -54,18 +54,18 @@ def quantity(parser: QuantityParser) -> Schema:
     return {"anyOf": several, "description": value["description"], "examples": value["examples"]}
 
 
-def parameter(known: Parameter) -> Schema:
+def parameter(declaration: Parameter) -> Schema:
     """Return the schema of an effect's parameter."""
-    described = f"{known.doc}{f' [{known.unit}]' if known.unit else ''}"
-    examples = {"examples": [_written(known.scale, known.unit)]} if known.scale > 0.0 else {}
-    return {**quantity(QuantityParser(known.unit)), "description": described, **examples}
+    described = f"{declaration.doc}{f' [{declaration.unit}]' if declaration.unit else ''}"
+    examples = {"examples": [_written(declaration.scale, declaration.unit)]} if declaration.scale > 0.0 else {}
+    return {**quantity(QuantityParser(declaration.unit)), "description": described, **examples}
 
 
 def example(info: FieldInfo) -> Schema:
     """Return an example of a key: its own, a quantity of its usual range, or its default."""
     if info.examples:
         return {"examples": info.examples}
-    limit = next((each for each in info.metadata if isinstance(each, Limit)), None)
+    limit = next((annotation for annotation in info.metadata if isinstance(annotation, Limit)), None)
     parsers = parsers_of(info)
     if limit is None or not parsers:
         default = default_of(info)
@@ -79,7 +79,7 @@ def example(info: FieldInfo) -> Schema:
 
 def _written(value: float, unit: str, digits: int = 1) -> str | float:
     """A quantity as a person writes it."""
-    size, unit = next((each for each in _WRITTEN_IN.get(unit, ()) if value >= each[0]), (1.0, unit))
+    size, unit = next((pair for pair in _WRITTEN_IN.get(unit, ()) if value >= pair[0]), (1.0, unit))
     rounded = float(f"{value / size:.{digits}g}")
     return f"{rounded:g} {unit}" if unit else rounded
 
@@ -178,7 +178,7 @@ def _entry(info: EffectInfo) -> Schema:
     return {
         "type": "object",
         "description": info.what,
-        "properties": {**{name: parameter(each) for name, each in info.parameters.items()}, **dated},
+        "properties": {**{name: parameter(declaration) for name, declaration in info.parameters.items()}, **dated},
         "additionalProperties": False,
     }
 
@@ -215,12 +215,12 @@ _REPLACED: Mapping[tuple[str, str], Schema] = {
 def written(*sections: type[BaseModel]) -> tuple[list[dict[str, Any]], dict[str, dict[str, Any]]]:
     """Return the schemas of sections, and the definitions of those inside them, by name."""
     _, whole = models_json_schema(
-        [(each, "validation") for each in sections], ref_template="#/definitions/{model}", schema_generator=_Writer
+        [(model, "validation") for model in sections], ref_template="#/definitions/{model}", schema_generator=_Writer
     )
     definitions = whole["$defs"]
-    for each in definitions.values():
-        each.pop("title", None)
-    return [definitions.pop(each.__name__) for each in sections], definitions
+    for definition in definitions.values():
+        definition.pop("title", None)
+    return [definitions.pop(model.__name__) for model in sections], definitions
 
 
 class _Writer(GenerateJsonSchema):
@@ -228,10 +228,10 @@ class _Writer(GenerateJsonSchema):
 
     def model_schema(self, schema: core_schema.ModelSchema) -> dict[str, Any]:
         section, inner = schema["cls"], self.generate_inner(schema["schema"])
-        own = {name: info for name, info in section.model_fields.items() if name == "kind" and not info.exclude}
+        kind_field = {name: info for name, info in section.model_fields.items() if name == "kind" and not info.exclude}
         properties = {
             name: _described(info, _REPLACED.get((section.__name__, name), inner["properties"][name]))
-            for name, info in (own | keys_of(section)).items()
+            for name, info in (kind_field | keys_of(section)).items()
         }
         described = {"description": inspect.getdoc(section) or "", "additionalProperties": False}
         return {**inner, **described, "properties": properties}
@@ -268,10 +268,10 @@ class _Writer(GenerateJsonSchema):
         return {"type": ["string", "number"]}
 
     def tagged_union_schema(self, schema: core_schema.TaggedUnionSchema) -> Schema:
-        return {"anyOf": [self.generate_inner(each) for each in schema["choices"].values()]}
+        return {"anyOf": [self.generate_inner(choice) for choice in schema["choices"].values()]}
 
     def tuple_schema(self, schema: core_schema.TupleSchema) -> Schema:
-        items = [self.generate_inner(each) for each in schema["items_schema"]]
+        items = [self.generate_inner(inner) for inner in schema["items_schema"]]
         if "variadic_item_index" in schema:
             return {"type": "array", "items": items[0]}
         return {"type": "array", "items": items, "minItems": len(items), "maxItems": len(items)}
@@ -282,7 +282,7 @@ def _described(info: FieldInfo, value: Schema) -> Schema:
     if "$ref" in value:
         return value
     schema = dict(value)
-    words = [each for each in (meaning_of(info), schema.get("description")) if each]
+    words = [text for text in (meaning_of(info), schema.get("description")) if text]
     if words:
         schema["description"] = ": ".join(map(str, words))
     default = default_of(info)

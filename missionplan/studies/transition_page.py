@@ -139,9 +139,9 @@ def _cells(result: TransitionSweep) -> Cells:
             quantity(depth, "m", ".2f"),
             f"{np.degrees(pitch):.1f}°",
             f"{common:.1f} W h",
-            f"{own:.1f} W h" if np.isfinite(own) else "never",
+            f"{to_hover:.1f} W h" if np.isfinite(to_hover) else "never",
         )
-        for speed, depth, pitch, common, own in cells[list(names)].to_numpy(dtype=float)
+        for speed, depth, pitch, common, to_hover in cells[list(names)].to_numpy(dtype=float)
     ]
     columns = ("mid-transition speed", "depth excursion", "pitch excursion", "energy, all hover", "it hovers")
     return columns, rows
@@ -179,7 +179,7 @@ def _sections(result: TransitionSweep) -> list[PageSection]:
     return [
         PageSection("Depth by speed and steepness of the interchange", [history_figure(result, n) for n in (6, 7)]),
         PageSection("Pitch by the same", [history_figure(result, number) for number in (8, 9)]),
-        PageSection("Energy by the same", [*(energy_figure(result, each) for each in "ab"), energy_table(result)]),
+        PageSection("Energy by the same", [*(energy_figure(result, letter) for letter in "ab"), energy_table(result)]),
         PageSection("One thruster, with suction, and a pair", [pitch_by_variant(result), variant_table(result)]),
         PageSection("Limits of these results", [_limits(result)]),
     ]

@@ -148,19 +148,19 @@ def validate(paths: MissionOrPath | Iterable[MissionOrPath], *, allow_outside: b
     tuple of Validated
         Missions first; a data set is checked with the first of them that gives it what its runs leave to it.
     """
-    given = [paths] if isinstance(paths, Mission | str | PurePath) else list(paths)
-    found = [
-        each for one in given for each in ([one] if isinstance(one, Mission) else _expanded(as_path(one, "paths")))
+    inputs = [paths] if isinstance(paths, Mission | str | PurePath) else list(paths)
+    sources = [
+        source for one in inputs for source in ([one] if isinstance(one, Mission) else _expanded(as_path(one, "paths")))
     ]
-    datasets = [each for each in found if isinstance(each, Path) and is_folder(each)]
+    datasets = [source for source in sources if isinstance(source, Path) and is_folder(source)]
     done: list[Validated] = []
     valid: list[Mission] = []
-    for each in found:
-        if each in datasets:
+    for source in sources:
+        if source in datasets:
             continue
-        path = Path(each.file) if isinstance(each, Mission) else each
+        path = Path(source.file) if isinstance(source, Mission) else source
         try:
-            mission = each if isinstance(each, Mission) else load(each, allow_outside=allow_outside)
+            mission = source if isinstance(source, Mission) else load(source, allow_outside=allow_outside)
             done.append(validated_mission(path, mission))
         except InputError as error:
             done.append(Validated(path, problems=error.problems))
@@ -180,9 +180,9 @@ def _expanded(path: Path) -> Iterator[Path]:
     if not is_folder(path) or (path / "dataset.yaml").is_file():
         yield path
         return
-    datasets = sorted(each.parent for each in path.rglob("dataset.yaml"))
-    inside = [each for each in sorted((*path.rglob("*.yaml"), *path.rglob("*.yml"))) if each.parent not in datasets]
-    missions = [each for each in inside if _is_mission(each)]
+    datasets = sorted(file.parent for file in path.rglob("dataset.yaml"))
+    inside = [file for file in sorted((*path.rglob("*.yaml"), *path.rglob("*.yml"))) if file.parent not in datasets]
+    missions = [file for file in inside if _is_mission(file)]
     yield from (*missions, *datasets)
     if not missions and not datasets:
         yield path
@@ -251,12 +251,12 @@ def _points(means: Scenario, phase: TransitPhase[Scalars], here: Array) -> Itera
 
 def _at(place: Place, point: Array, depth: float) -> Cause:
     """What a vehicle meets at a point, at a depth and at the surface; zones of some times do not count."""
-    found, here = Contact.none(1), point.reshape(2, 1)
+    contact, here = Contact.none(1), point.reshape(2, 1)
     lasting = place.lasting()
     for at in (depth, 0.0):
         way = Way(here, here, np.zeros(1), np.zeros(1), at, at)
-        found.note(np.zeros(1, dtype=np.intp), lasting.meets(way), 0)
-    return Cause(int(found.cause[0]))
+        contact.note(np.zeros(1, dtype=np.intp), lasting.meets(way), 0)
+    return Cause(int(contact.cause[0]))
 
 
 def _ways(means: Scenario, place: Place, phase: TransitPhase[Scalars], points: list[Array]) -> Iterator[Problem]:

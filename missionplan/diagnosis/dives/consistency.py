@@ -61,21 +61,21 @@ def exchanged_labels(model: DescentFitting, base: CauseFit) -> ExchangedLabels |
     weights = sorted({log.wet_weight for log in logs})
     if len(weights) < 2:
         return None
-    own: Labels = tuple(weights.index(log.wet_weight) for log in logs)
-    likelihoods, found, reached, prior = _labelled(model, base, weights), own, -math.inf, FURTHER
+    log_book: Labels = tuple(weights.index(log.wet_weight) for log in logs)
+    likelihoods, exchange, reached, prior = _labelled(model, base, weights), log_book, -math.inf, FURTHER
     whole, gains = base.state.likelihood, list[float]()
-    while others := sorted(set(_exchanges(found)) - {own}):
-        exchanged = (_changed(whole, likelihoods, labels, own) for labels in others)
-        evidence = [float(logsumexp(each.log_joint(base.state.prior_sd))) - base.log_evidence for each in exchanged]
+    while others := sorted(set(_exchanges(exchange)) - {log_book}):
+        exchanged = (_changed(whole, likelihoods, labels, log_book) for labels in others)
+        evidence = [float(logsumexp(swap.log_joint(base.state.prior_sd))) - base.log_evidence for swap in exchanged]
         first = int(np.argmax(evidence))
         if evidence[first] < reached + FURTHER:
             break
         prior -= math.log(len(others)) + FURTHER
         gains.append(float(logsumexp(evidence)) + prior)
-        found, reached = others[first], evidence[first]
-    changed = [dive for dive in range(len(logs)) if found[dive] != own[dive]]
+        exchange, reached = others[first], evidence[first]
+    changed = [dive for dive in range(len(logs)) if exchange[dive] != log_book[dive]]
     names = tuple(logs[dive].name for dive in changed)
-    return ExchangedLabels(names, tuple(weights[found[dive]] for dive in changed), float(logsumexp(gains)))
+    return ExchangedLabels(names, tuple(weights[exchange[dive]] for dive in changed), float(logsumexp(gains)))
 
 
 def _exchanges(labels: Labels) -> Iterator[Labels]:
@@ -89,21 +89,21 @@ def _exchanges(labels: Labels) -> Iterator[Labels]:
 
 def _labelled(model: DescentFitting, base: CauseFit, weights: Sequence[float]) -> list[NoiseGridLikelihood]:
     """Likelihoods of the base model with each weight in all dives."""
-    found = []
+    likelihoods = []
     for weight in weights:
         logs = tuple(replace(log, wet_weight=weight) for log in model.forward.logs)
         relabelled = replace(model, forward=replace(model.forward, logs=logs))
         (linear,) = relabelled.linearise([((), base.state.linear.at)])
-        found.append(relabelled.likelihood(linear))
-    return found
+        likelihoods.append(relabelled.likelihood(linear))
+    return likelihoods
 
 
 def _changed(
-    whole: NoiseGridLikelihood, likelihoods: Sequence[NoiseGridLikelihood], labels: Labels, own: Labels
+    whole: NoiseGridLikelihood, likelihoods: Sequence[NoiseGridLikelihood], labels: Labels, log_book: Labels
 ) -> NoiseGridLikelihood:
     """Likelihood of all dives as of one with other labels, from that with their own, by the dives that change."""
     gram, determinant = whole.grams.copy(), whole.log_determinants.copy()
-    for dive, (label, written) in enumerate(zip(labels, own, strict=True)):
+    for dive, (label, written) in enumerate(zip(labels, log_book, strict=True)):
         if label != written:
             gram[:, 0] += likelihoods[label].grams[:, dive] - likelihoods[written].grams[:, dive]
             determinant[:, 0] += likelihoods[label].log_determinants[:, dive]
@@ -119,6 +119,6 @@ def not_constant(model: "DescentModel", fit: CauseFit) -> Causes:
     counts = [len(rows) for rows in model.parts]
     columns = {}
     for name in fit.causes:
-        own = [i for i, c in enumerate(model.coordinates) if c.effect == name and c.kind != "shape"]
-        columns[name] = fit.state.linear.columns[:, own]
+        indices = [i for i, c in enumerate(model.coordinates) if c.effect == name and c.kind != "shape"]
+        columns[name] = fit.state.linear.columns[:, indices]
     return differing_causes(partial(model.residuals_along, fit), columns, [np.repeat(np.eye(len(counts)), counts, 0)])

@@ -64,7 +64,7 @@ def stretched_dives(forward: DescentForward, logs: Sequence[DiveLog]) -> tuple[D
 def _stretched(log: DiveLog, times: Array, depth: Array) -> DiveLog:
     begin, end = float(times[np.argmax(depth > MOVING_DEPTH)]), _near_touchdown(log, times, depth)
     factor = (end - begin) / float(log.t[-1] - log.t[0])
-    t, fine = (begin + factor * (own - log.t[0]) for own in (log.t, log.fine))
+    t, fine = (begin + factor * (instants - log.t[0]) for instants in (log.t, log.fine))
     sd = np.maximum(log.sd / np.sqrt(factor), MIN_NOISE)
     return replace(log, t=t, depth=0.0 * t, sd=sd, fine=fine)
 

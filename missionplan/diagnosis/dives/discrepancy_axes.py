@@ -49,16 +49,16 @@ def descent_axes(model: LinearisedDescent, linear: DiveLinearisation) -> list[Ax
     dive, weight = np.repeat(np.arange(len(logs)), [len(log.t) for log in logs]), linear.sensitivity("weight")
     axes = []
     if len(logs) > 1:
-        own = np.eye(len(logs))[dive]  # 1 where a reading is of a dive
-        axes.append(_otherwise_in_each(shared[0], own))
-        delays = own * linear.sensitivity("release")[:, None]
+        eye = np.eye(len(logs))[dive]  # 1 where a reading is of a dive
+        axes.append(_otherwise_in_each(shared[0], eye))
+        delays = eye * linear.sensitivity("release")[:, None]
         axes.append(replace(differing("a delay that differs from dive to dive", delays), size=DELAY, in_some_runs=True))
     if len(logs) > 2:
-        axes.append(_wrong_anchor(logs, own, weight))
+        axes.append(_wrong_anchor(logs, eye, weight))
         lift = -weight / np.array([log.wet_weight for log in logs])[dive]
         axes.append(_trend("drag", linear.sensitivity("drag"), dive, DRAG, ("Extra drag (%)", 100.0)))
         axes.append(_trend("a lift", lift, dive, LIFT, ("Lift (N)", 1.0)))
-        axes.append(_trend("an error of the depth read", own.sum(axis=1), dive, READING, ("Error (m)", 1.0)))
+        axes.append(_trend("an error of the depth read", eye.sum(axis=1), dive, READING, ("Error (m)", 1.0)))
     return [*shared, *forces, *axes]
 
 
@@ -75,25 +75,25 @@ def _reading_error(name: str, values: Array) -> Axis:
 def drag_of_each_dive(logs: Sequence[DiveLog], axes: Sequence[Axis]) -> list[Axis]:
     """Drag that changes with depth in each of several dives otherwise, from that in all of them among some axes."""
     common = next(axis for axis in axes if axis.description == DRAG_BY_DEPTH)
-    own = np.repeat(np.eye(len(logs)), [len(log.t) for log in logs], axis=0)
-    return [_otherwise_in_each(common, own)] if len(logs) > 1 else []
+    eye = np.repeat(np.eye(len(logs)), [len(log.t) for log in logs], axis=0)
+    return [_otherwise_in_each(common, eye)] if len(logs) > 1 else []
 
 
-def _otherwise_in_each(common: Axis, own: Array) -> Axis:
+def _otherwise_in_each(common: Axis, eye: Array) -> Axis:
     words = f"{common.description}, dive by dive"
-    return Axis("run", words, common.places, directed(common.response, own), size=common.size)
+    return Axis("run", words, common.places, directed(common.response, eye), size=common.size)
 
 
-def _wrong_anchor(logs: Sequence[DiveLog], own: Array, weight: Array) -> Axis:
+def _wrong_anchor(logs: Sequence[DiveLog], eye: Array, weight: Array) -> Axis:
     """An anchor that weighs otherwise than the log book has it, in one dive or in all dives with its label.
 
-    `own`, shape (N, d), is 1 where a reading is of a dive, `weight`, shape (N,), the sensitivity of the readings to the
+    `eye`, shape (N, d), is 1 where a reading is of a dive, `weight`, shape (N,), the sensitivity of the readings to the
     anchor's weight, of itself [m].
     """
     written = np.array([log.wet_weight for log in logs])
-    labels = [np.flatnonzero(written == each) for each in np.unique(written)]
-    several = [own[:, dives].sum(axis=1) for dives in labels if 1 < len(dives) < len(logs)]
-    columns = np.column_stack([own, *several]) * weight[:, None]
+    labels = [np.flatnonzero(written == label) for label in np.unique(written)]
+    several = [eye[:, dives].sum(axis=1) for dives in labels if 1 < len(dives) < len(logs)]
+    columns = np.column_stack([eye, *several]) * weight[:, None]
     words = "an anchor that weighs otherwise than the log book says, in a dive or in all with its label"
     return replace(differing(words, columns), size=WEIGHT, in_some_runs=True)
 
@@ -170,8 +170,8 @@ def force_axes(
     columns = np.split(readings[:, 1:] - readings[:, :1], len(kinds), axis=1)
     nodes = np.linspace(0.0, 1.0, NODES)[:, None]
     return [
-        Axis(kind.name, kind.words, nodes, own, kind.scale(*ends[kind.name]), kind.size)
-        for kind, own in zip(kinds, columns, strict=True)
+        Axis(kind.name, kind.words, nodes, response, kind.scale(*ends[kind.name]), kind.size)
+        for kind, response in zip(kinds, columns, strict=True)
     ]
 
 

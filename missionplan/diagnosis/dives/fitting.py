@@ -33,7 +33,7 @@ delay a vehicle that starts seconds late looks like one that sinks slowly."""
 
 
 def starting_points(
-    coordinates: Sequence[Coordinate], expected: Array, given: Sequence[str], causes: Causes, near: Sequence[CauseFit]
+    coordinates: Sequence[Coordinate], expected: Array, effects: Sequence[str], causes: Causes, near: Sequence[CauseFit]
 ) -> list[Array]:
     """Points from which to search for the best coordinates of a set.
 
@@ -41,19 +41,19 @@ def starting_points(
     other causes its best coordinates may be far from there. So does an effect of the mission that may have changed,
     besides the start where the mission has it.
 
-    `coordinates`: of all causes, k. `expected`, (k,): as the mission expects them. `given`: its own effects. `near`:
+    `coordinates`: of all causes, k. `expected`, (k,): as the mission expects them. `effects`: its own effects. `near`:
     fits of parts of the set, the one that it extends, then causes alone.
     """
-    start, fitted = _from_fits(coordinates, expected, given, causes, near)
+    start, fitted = _from_fits(coordinates, expected, effects, causes, near)
     fresh = [name for name in causes if name not in fitted]
-    found = _spread_over_shapes(coordinates, fresh, start)
-    found += [moved for name in fresh for moved in _late(coordinates, name, start)]
-    if {*given} & {*causes} - fitted and len(found) > 1:
-        found.append(start)
-    start, extended = _from_fits(coordinates, expected, given, causes, near[:1])
+    points = _spread_over_shapes(coordinates, fresh, start)
+    points += [moved for name in fresh for moved in _late(coordinates, name, start)]
+    if {*effects} & {*causes} - fitted and len(points) > 1:
+        points.append(start)
+    start, extended = _from_fits(coordinates, expected, effects, causes, near[:1])
     if extended != fitted:
-        found += _spread_over_shapes(coordinates, [name for name in causes if name not in extended], start)
-    return found
+        points += _spread_over_shapes(coordinates, [name for name in causes if name not in extended], start)
+    return points
 
 
 def _late(coordinates: Sequence[Coordinate], name: str, start: Array) -> Iterator[Array]:
@@ -76,7 +76,7 @@ def _late(coordinates: Sequence[Coordinate], name: str, start: Array) -> Iterato
 
 
 def _from_fits(
-    coordinates: Sequence[Coordinate], expected: Array, given: Sequence[str], causes: Causes, near: Sequence[CauseFit]
+    coordinates: Sequence[Coordinate], expected: Array, effects: Sequence[str], causes: Causes, near: Sequence[CauseFit]
 ) -> tuple[Array, set[str]]:
     """Coordinates of causes from fits, the first that has a cause first; and the causes that were found so."""
     start = expected.copy()
@@ -88,30 +88,32 @@ def _from_fits(
                 start[i] = fit.state.linear.at[i]
         fitted |= set(fit.causes)
     if possible:
-        own = [
+        places = [
             i
             for i, coordinate in enumerate(coordinates)
-            if coordinate.effect in given and coordinate.effect not in fitted
+            if coordinate.effect in effects and coordinate.effect not in fitted
         ]
-        start[own] = possible[0].state.linear.at[own]
+        start[places] = possible[0].state.linear.at[places]
     return start, fitted
 
 
 def _spread_over_shapes(coordinates: Sequence[Coordinate], fresh: Sequence[str], start: Array) -> list[Array]:
     """Points about one, several for each of the fresh effects of approximate form."""
-    found = [start]
+    points = [start]
     for name in fresh:
-        own = [i for i, coordinate in enumerate(coordinates) if coordinate.effect == name]
-        shapes = [i for i in own if coordinates[i].kind == "shape"]
+        places = [i for i, coordinate in enumerate(coordinates) if coordinate.effect == name]
+        shapes = [i for i in places if coordinates[i].kind == "shape"]
         if is_approximate(name):
-            found = [_shifted(coordinates, own, shapes[0], shift, point) for point in found for shift in SHAPE_SHIFTS]
-    return found
+            points = [
+                _shifted(coordinates, places, shapes[0], shift, point) for point in points for shift in SHAPE_SHIFTS
+            ]
+    return points
 
 
-def _shifted(coordinates: Sequence[Coordinate], own: Sequence[int], shape: int, shift: float, point: Array) -> Array:
+def _shifted(coordinates: Sequence[Coordinate], places: Sequence[int], shape: int, shift: float, point: Array) -> Array:
     """A point with an effect at its initial strength and one shape parameter shifted."""
     moved = point.copy()
-    for i in own:
+    for i in places:
         if coordinates[i].kind != "shape":
             moved[i] = INITIAL_STRENGTH * coordinates[i].slab
     moved[shape] += shift * coordinates[shape].slab
@@ -184,15 +186,15 @@ class DescentFitting(DescentLikelihood):
 
     def fit_all(self, wanted: Sequence[FitRequest]) -> list[CauseFit | FailedFit]:
         """Fit several sets at once: search from all their starting points together, linearise, integrate."""
-        own = [each.effect for each in self.given]
+        effects = [prior.effect for prior in self.given]
         starts = [
             self.start(causes, at, group)
             for group, (causes, near) in enumerate(wanted)
-            if causes or own
-            for at in starting_points(self.coordinates, self.expected, own, causes, near)
+            if causes or effects
+            for at in starting_points(self.coordinates, self.expected, effects, causes, near)
         ]
-        found = iter(self.best_coordinates(starts)) if starts else iter(())
-        points = [(causes, next(found) if causes or own else self.expected) for causes, _ in wanted]
+        optima = iter(self.best_coordinates(starts)) if starts else iter(())
+        points = [(causes, next(optima) if causes or effects else self.expected) for causes, _ in wanted]
         points = [(causes, self._inside(causes, at)) for causes, at in points]
         linears = self.linearise(points) if starts else [self.base] * len(points)
         return [self.integrated(causes, linear) for (causes, _), linear in zip(points, linears, strict=True)]
@@ -208,14 +210,14 @@ class DescentFitting(DescentLikelihood):
             return FailedFit(causes, str(error))
         free, marginal, mean = self.free(causes), whole.marginal, whole.inside.mean
         reported = self._spread(causes, whole.inside.covariance, mean)
-        found = estimates([self.coordinates[i] for i in free], mean[free], reported[np.ix_(free, free)])
-        own = tied(held(self.given, causes))
+        parameters = estimates([self.coordinates[i] for i in free], mean[free], reported[np.ix_(free, free)])
+        priors = tied(held(self.given, causes))
         state = DescentState(linear, likelihood, whole.noise, whole.prior_sd, marginal)
-        given = RecordPosterior(self.coordinates, mean, reported).known(own)
+        after = RecordPosterior(self.coordinates, mean, reported).known(priors)
         uncut = linear.centre + marginal.mean  # draws of it are cut, and so must not be of what is cut already
         record = RecordPosterior(self.coordinates, uncut, self._spread(causes, marginal.covariance, uncut))
-        together, noise = record.afterwards(own, free.tolist()), _calibration(whole.noise)
-        return CauseFit(causes, whole.log_evidence, found, noise, is_possible(found), state, given, together)
+        together, noise = record.afterwards(priors, free.tolist()), _calibration(whole.noise)
+        return CauseFit(causes, whole.log_evidence, parameters, noise, is_possible(parameters), state, after, together)
 
     def _spread(self, causes: Causes, covariance: Array, mean: Array) -> Array:
         """Covariance of the coordinates as they are reported, shape (k, k).
@@ -232,15 +234,15 @@ class DescentFitting(DescentLikelihood):
 
     def _inside(self, causes: Causes, at: Array) -> Array:
         """Coordinates inside the causes' physical ranges, where the phase follows them; without a strength no shape."""
-        prior, found = self.prior(causes), at.copy()
+        prior, point = self.prior(causes), at.copy()
         free = self.free(causes)
         low, high = (end[free] for end in prior.bounds)
-        found[free] = np.clip(at[free], low, high - 2.0 * DIFFERENCE * self.slab[free])
+        point[free] = np.clip(at[free], low, high - 2.0 * DIFFERENCE * self.slab[free])
         for i in free:
-            if self.coordinates[i].kind == "strength" and found[i] == 0.0:
-                own = [j for j in self.free((self.coordinates[i].effect,)) if self.coordinates[j].kind == "shape"]
-                found[own] = prior.centre[own]
-        return found
+            if self.coordinates[i].kind == "strength" and point[i] == 0.0:
+                shapes = [j for j in self.free((self.coordinates[i].effect,)) if self.coordinates[j].kind == "shape"]
+                point[shapes] = prior.centre[shapes]
+        return point
 
     def relinearised(self, fits: Sequence[CauseFit | FailedFit], best: float) -> list[CauseFit | FailedFit]:
         """Fits linearised anew where the posterior's mean lies off the point found at nominal noise.
@@ -248,24 +250,24 @@ class DescentFitting(DescentLikelihood):
         Gauss–Newton steps, as in an iterated extended Kalman filter (Bell & Cathey 1993). A step towards the mean is
         taken if the joint density there is greater; if not, a shorter one is tried.
         """
-        found = list(fits)
+        refits = list(fits)
         lengths = {
             i: 1.0
             for i, fit in enumerate(fits)
             if isinstance(fit, CauseFit) and fit.log_evidence > best - RELINEARISE_WITHIN
         }
         for _ in range(RELINEARISATIONS):
-            wanted = [(i, found[i], length) for i, length in lengths.items()]
+            wanted = [(i, refits[i], length) for i, length in lengths.items()]
             moved = {i: self._towards_mean(fit, length) for i, fit, length in wanted if isinstance(fit, CauseFit)}
             points = {i: at for i, at in moved.items() if at is not None}
-            linears = self.linearise([(found[i].causes, at) for i, at in points.items()]) if points else []
+            linears = self.linearise([(refits[i].causes, at) for i, at in points.items()]) if points else []
             for i, linear in zip(points, linears, strict=True):
-                other = self.integrated(found[i].causes, linear)
-                if self._log_joint(other) > self._log_joint(found[i]):
-                    found[i] = other
+                other = self.integrated(refits[i].causes, linear)
+                if self._log_joint(other) > self._log_joint(refits[i]):
+                    refits[i] = other
                 else:
                     lengths[i] *= STEP_REDUCTION
-        return found
+        return refits
 
     def _towards_mean(self, fit: CauseFit, length: float) -> Array | None:
         """Coordinates a share of the way to a fit's posterior mean; None if that is near enough or out of range."""

@@ -136,14 +136,14 @@ class DescentForward:
     def _effects(coordinates: Sequence[Coordinate], values: Array) -> Iterator[DescentEffect]:
         """Effects on the trials where their strength is not zero, parameters inside the ranges of the phase."""
         for name in dict.fromkeys(c.effect for c in coordinates):
-            own = [i for i, c in enumerate(coordinates) if c.effect == name]
-            strengths = [i for i in own if coordinates[i].kind != "shape"]
+            indices = [i for i, c in enumerate(coordinates) if c.effect == name]
+            strengths = [i for i in indices if coordinates[i].kind != "shape"]
             trials = np.flatnonzero(np.any(values[strengths] != 0.0, axis=0))
             if not len(trials):
                 continue
-            parameters = parameters_from([coordinates[i] for i in own], values[own][:, trials])[name]
-            held = {key: np.clip(value, *parameter_range(name, key)) for key, value in parameters.items()}
-            effect = CATALOGUE[name].make(held)
+            parameters = parameters_from([coordinates[i] for i in indices], values[indices][:, trials])[name]
+            arguments = {key: np.clip(value, *parameter_range(name, key)) for key, value in parameters.items()}
+            effect = CATALOGUE[name].make(arguments)
             if not isinstance(effect, DescentEffect):
                 raise TypeError(f"{name} is not an effect on a descent")
             yield effect if len(trials) == values.shape[1] else SubsetEffect(effect, trials, values.shape[1])

@@ -87,10 +87,10 @@ class DescentKind(DataKind):
         """Return the causes whose strengths differ from dive to dive."""
         return not_constant(self.model, best)
 
-    def suspect_labels(self, found: Selection) -> str:
+    def suspect_labels(self, selection: Selection) -> str:
         """Say between which dives the labels of the weights look exchanged."""
-        is_likely = any(what == EXCHANGED and probability >= LIKELY for _, what, probability in found.responses)
-        return str(self.model.exchanged_labels(found.base)) if is_likely else ""
+        is_likely = any(what == EXCHANGED and probability >= LIKELY for _, what, probability in selection.responses)
+        return str(self.model.exchanged_labels(selection.base)) if is_likely else ""
 
 
 LEAST_SPEED = 0.05

@@ -48,7 +48,7 @@ class NoiseGridLikelihood:
     @property
     def as_one(self) -> "NoiseGridLikelihood":
         """That of all dives as of one."""
-        grams, log_determinants = (each.sum(axis=1, keepdims=True) for each in (self.grams, self.log_determinants))
+        grams, log_determinants = (terms.sum(axis=1, keepdims=True) for terms in (self.grams, self.log_determinants))
         return NoiseGridLikelihood(grams, log_determinants, self.counts.sum(keepdims=True))
 
     def log_joint(self, prior_sd: Array, dives: NDArray[np.int_] | slice = ALL_DIVES) -> Array:
@@ -66,8 +66,8 @@ class NoiseGridLikelihood:
 
     def marginal(self, index: int, prior_sd: Array) -> Marginal:
         """Marginalise all coordinates, shape (k,), and the curvature, at one noise of the grid."""
-        found = gaussian_marginal(*self._at(index, prior_sd, ALL_DIVES))
-        return Marginal(found.log_density, found.mean[:-1], found.covariance[:-1, :-1])
+        marginal = gaussian_marginal(*self._at(index, prior_sd, ALL_DIVES))
+        return Marginal(marginal.log_density, marginal.mean[:-1], marginal.covariance[:-1, :-1])
 
     def _at(self, index: int, prior_sd: Array, dives: NDArray[np.int_] | slice) -> tuple[Array, Array, float, int]:
         """Inner products of some dives at a noise, prior with the curvature's, ln |covariance|, number of readings."""
@@ -87,14 +87,14 @@ class DescentLikelihood(LinearisedDescent):
 
         The part of the readings due to causes with shape parameters is uncertain by a smooth factor, `SHAPE_SD`.
         """
-        known = self._known_fixed_covariances  # of the readings, which no fit changes
-        if noises not in known:
-            known[noises] = [sensor_and_turbulence_covariance(log.t, log.sd, noises) for log in self.forward.logs]
+        cache = self._known_fixed_covariances  # of the readings, which no fit changes
+        if noises not in cache:
+            cache[noises] = [sensor_and_turbulence_covariance(log.t, log.sd, noises) for log in self.forward.logs]
         return [
             fixed
             + dive_to_dive_covariance(linear.sensitivities[rows], linear.curvature[rows], noises)
             + shape_error_covariance(log.t, linear.shaped[rows])
-            for fixed, log, rows in zip(known[noises], self.forward.logs, self.parts, strict=True)
+            for fixed, log, rows in zip(cache[noises], self.forward.logs, self.parts, strict=True)
         ]
 
     @cached_property
@@ -103,8 +103,8 @@ class DescentLikelihood(LinearisedDescent):
 
     def covariance(self, linear: DiveLinearisation, noise: Noise, prior_sd: Array) -> BlockCovariance:
         """Covariance of all readings with the coordinates' priors [m²]."""
-        own = standardised(linear.columns, prior_sd)
-        root = np.concatenate([own, noise.scatter * linear.curvature[:, None]], axis=1)
+        columns = standardised(linear.columns, prior_sd)
+        root = np.concatenate([columns, noise.scatter * linear.curvature[:, None]], axis=1)
         return BlockCovariance(self.parts, tuple(block[0] for block in self.covariances(linear, (noise,))), root)
 
     def likelihood(self, linear: DiveLinearisation) -> NoiseGridLikelihood:
@@ -133,8 +133,8 @@ class DescentLikelihood(LinearisedDescent):
     ) -> Array:
         """Log density of residuals, shape (N, s), by a linearisation's covariance at each noise, shape (g, s)."""
         finite = np.all(np.isfinite(residuals), axis=0)
-        known = np.where(finite, residuals, 0.0)
-        logs = np.stack([self.covariance(linear, noise, prior_sd).log_densities(known) for noise in noises])
+        finite_residuals = np.where(finite, residuals, 0.0)
+        logs = np.stack([self.covariance(linear, noise, prior_sd).log_densities(finite_residuals) for noise in noises])
         return np.where(finite, logs, -np.inf)
 
 

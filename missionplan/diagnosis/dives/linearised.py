@@ -102,8 +102,8 @@ class DescentPriors:
 
     def searched(self, causes: Causes) -> NDArray[np.int_]:
         """Coordinates of the causes and of the mission's own effects, about whose best values a fit is linearised."""
-        own = [i for each in held(self.given, causes) for i in places_in(self.coordinates, each)]
-        return np.union1d(self.free(causes), np.array(own, dtype=int))
+        indices = [i for prior in held(self.given, causes) for i in places_in(self.coordinates, prior)]
+        return np.union1d(self.free(causes), np.array(indices, dtype=int))
 
     def index(self, effect: str) -> int:
         """First coordinate of an effect."""
@@ -169,7 +169,7 @@ class LinearisedDescent(DescentPriors):
         dive to dive.
         """
         varied = [self._varied(causes) for causes, _ in wanted]
-        blocks = [self._settings(at, own) for (_, at), own in zip(wanted, varied, strict=True)]
+        blocks = [self._settings(at, indices) for (_, at), indices in zip(wanted, varied, strict=True)]
         widths = np.array([block.shape[1] for block in blocks])
         starts = np.cumsum(widths) - widths
         factors = np.ones(int(widths.sum()))
@@ -178,13 +178,13 @@ class LinearisedDescent(DescentPriors):
         delays = self.most_likely_release_delays(histories.subset(starts))
         readings = np.split(histories.readings(np.repeat(delays, widths, axis=0)), starts[1:], axis=1)
         return [
-            self._linearisation(causes, at, own, delay, block)
-            for (causes, at), own, delay, block in zip(wanted, varied, delays, readings, strict=True)
+            self._linearisation(causes, at, indices, delay, block)
+            for (causes, at), indices, delay, block in zip(wanted, varied, delays, readings, strict=True)
         ]
 
     def _varied(self, causes: Causes) -> NDArray[np.int_]:
         """Coordinates with a column: the strengths of effects with a name, and all of causes and the mission's own."""
-        present = {*causes, *(each.effect for each in held(self.given, causes))}
+        present = {*causes, *(prior.effect for prior in held(self.given, causes))}
         return np.flatnonzero(
             [c.effect in present or (c.kind != "shape" and c.effect not in self.unnamed) for c in self.coordinates]
         )
@@ -249,13 +249,13 @@ class LinearisedDescent(DescentPriors):
             readings, later = histories.readings(delays), histories.readings(delays + DELAY_STEP)
             residuals, columns = self.y[:, None] - readings, (later - readings) / DELAY_STEP
             steps = []
-            for covariance, rows, own in zip(self._covariances_at_known_delay, self.parts, delays.T, strict=True):
-                precision, found = np.linalg.inv(covariance), []
+            for covariance, rows, starts in zip(self._covariances_at_known_delay, self.parts, delays.T, strict=True):
+                precision, modes = np.linalg.inv(covariance), []
                 pairs = (np.ascontiguousarray(values[rows].T) for values in (columns, residuals))
-                for column, residual, delay in zip(*pairs, own, strict=True):  # one by one: the same bits always
+                for column, residual, delay in zip(*pairs, starts, strict=True):  # one by one: the same bits always
                     weights = precision @ column
-                    found.append(weights @ (residual + delay * column) / (weights @ column + DIVE_SD["release"] ** -2))
-                steps.append(np.clip(found, -LARGEST_RELEASE_DELAY, LARGEST_RELEASE_DELAY))
+                    modes.append(weights @ (residual + delay * column) / (weights @ column + DIVE_SD["release"] ** -2))
+                steps.append(np.clip(modes, -LARGEST_RELEASE_DELAY, LARGEST_RELEASE_DELAY))
             delays = np.array(steps).T
         return delays
 

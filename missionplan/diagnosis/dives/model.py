@@ -66,7 +66,7 @@ class DescentModel(DescentFitting, LinearisedModel):
         responses = self.responses(fits[0])
         states = [fit.state for fit in fits]
         products = (self.products(s.linear, s.prior_sd, responses.joined, likely_noises(s)) for s in states)
-        gains = np.array([responses.log_gains(list(own)) for own in products])
+        gains = np.array([responses.log_gains(list(by_noise)) for by_noise in products])
         described = [(axis.name, axis.description) for axis in responses.axes]
         base = next((fit for fit in fits if not fit.causes), None)
         exchanged = self.exchanged_labels(base) if base is not None else None
@@ -143,11 +143,11 @@ class DescentModel(DescentFitting, LinearisedModel):
         """
         count = len(self.parts)
         if count > MOST_REFITTED:
-            found = []
+            by_fit = []
             for fit in fits:
                 likelihood = self.likelihood(fit.state.linear)
-                found.append([self._score(fit, fit.state.linear, likelihood, dive) for dive in range(count)])
-            return found
+                by_fit.append([self._score(fit, fit.state.linear, likelihood, dive) for dive in range(count)])
+            return by_fit
         others = [np.setdiff1d(np.arange(len(self.y)), rows) for rows in self.parts]
         folds = [(fit, dive) for fit in fits for dive in range(len(self.parts))]
         starts = [
@@ -173,9 +173,9 @@ class DescentModel(DescentFitting, LinearisedModel):
         others = np.delete(np.arange(len(self.parts)), dive)
         seen = likelihood.log_joint(prior, others)
         log_score = float(logsumexp(likelihood.log_joint(prior)) - logsumexp(seen))
-        own, best = self.parts[dive], noise_grid()[int(np.argmax(seen))]
-        error, covariance = next(self.covariance(linear, best, prior).left_out(linear.y, [own]))
-        scaled = error / self.units[own]
+        rows, best = self.parts[dive], noise_grid()[int(np.argmax(seen))]
+        error, covariance = next(self.covariance(linear, best, prior).left_out(linear.y, [rows]))
+        scaled = error / self.units[rows]
         inside = int((np.abs(error) <= QUANTILE_95 * np.sqrt(np.diag(covariance))).sum())
         return HeldOutScore(self.forward.logs[dive].name, log_score, float(scaled @ scaled), inside, len(error))
 
@@ -246,9 +246,9 @@ def given_on_descent(mission: Mission) -> tuple[GivenEffect, ...]:
     InputError
         When a diagnosis cannot hold them together.
     """
-    given = given_priors(mission, effects_of("descent"))
-    check_together(given, mission, "descent")
-    return given
+    priors = given_priors(mission, effects_of("descent"))
+    check_together(priors, mission, "descent")
+    return priors
 
 
 def descent_builder(mission: Mission) -> Callable[[Array, Array], Dive]:

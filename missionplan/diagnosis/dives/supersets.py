@@ -34,13 +34,13 @@ def log_gains(model: DescentLikelihood, fits: Sequence[CauseFit], supersets: Seq
     """Return what further causes add to the log evidence of fits, shape (s,) for the supersets of each."""
     if not fits:
         return []
-    found = []
-    for fit, sets, own in zip(fits, supersets, _columns(model, fits), strict=True):
+    by_fit = []
+    for fit, sets, columns in zip(fits, supersets, _columns(model, fits), strict=True):
         gains = np.full(len(sets), np.nan)
         with suppress(np.linalg.LinAlgError):  # the linearisation has no numbers for them
-            gains = _gains(model, fit, sets, own)
-        found.append(np.where(np.isnan(gains), -np.inf, gains))
-    return found
+            gains = _gains(model, fit, sets, columns)
+        by_fit.append(np.where(np.isnan(gains), -np.inf, gains))
+    return by_fit
 
 
 @dataclass(frozen=True)
@@ -54,7 +54,7 @@ class _FurtherColumns:
 
     def places(self, strength: int) -> list[int]:
         """Columns of a strength at the points of its shape, or the one of an effect without."""
-        first, *others = (place for place, own in enumerate(self.strengths) if own == strength)
+        first, *others = (place for place, coordinate in enumerate(self.strengths) if coordinate == strength)
         return [others[0], first, others[1]] if others else [first]
 
 
@@ -62,32 +62,32 @@ def _columns(model: DescentLikelihood, fits: Sequence[CauseFit]) -> list[_Furthe
     """Columns of the linearisation, and those at other shapes of effects that a fit does not have."""
     others = [_other_shapes(model, fit) for fit in fits]
     widths = np.array([len(strengths) for strengths, _ in others])
-    settings = np.concatenate([own for _, own in others], axis=1)
+    settings = np.concatenate([points for _, points in others], axis=1)
     delays = np.repeat(np.stack([fit.state.linear.release_delays for fit in fits]), widths, axis=0)
     readings = (
         model.forward.readings(model.coordinates, settings, delays) if widths.any() else np.zeros((len(model.y), 0))
     )
     blocks = np.split(readings, np.cumsum(widths)[:-1], axis=1)
     here = [i for i, coordinate in enumerate(model.coordinates) if coordinate.kind != "shape"]
-    found = []
+    by_fit = []
     for fit, (strengths, _), block in zip(fits, others, blocks, strict=True):
         linear = fit.state.linear
-        own = linear.columns[:, here] * model.slab[here]
-        more = (block - linear.readings[:, None]) / DIFFERENCE if strengths else np.zeros((len(own), 0))
-        found.append(_FurtherColumns((*here, *strengths), np.concatenate([own, more], axis=1)))
-    return found
+        columns = linear.columns[:, here] * model.slab[here]
+        more = (block - linear.readings[:, None]) / DIFFERENCE if strengths else np.zeros((len(columns), 0))
+        by_fit.append(_FurtherColumns((*here, *strengths), np.concatenate([columns, more], axis=1)))
+    return by_fit
 
 
 def _other_shapes(model: DescentLikelihood, fit: CauseFit) -> tuple[list[int], Array]:
     """Strengths of effects that a fit does not have, and coordinates at which their shapes are others, (k, m)."""
-    at, known = fit.state.linear.at, {*fit.causes, *(each.effect for each in model.given)}
+    at, fit_effects = fit.state.linear.at, {*fit.causes, *(prior.effect for prior in model.given)}
     strengths, settings = [], [np.zeros((len(at), 0))]
     for name in model.candidates:
-        own = [(i, c) for i, c in enumerate(model.coordinates) if c.effect == name]
-        shapes = [i for i, c in own if c.kind == "shape"]
-        if name in known or name in model.unnamed or not shapes:
+        coordinates = [(i, c) for i, c in enumerate(model.coordinates) if c.effect == name]
+        shapes = [i for i, c in coordinates if c.kind == "shape"]
+        if name in fit_effects or name in model.unnamed or not shapes:
             continue
-        (strength,) = (i for i, c in own if c.kind != "shape")
+        (strength,) = (i for i, c in coordinates if c.kind != "shape")
         for node in (NODES[0], NODES[-1]):
             moved = at.copy()
             moved[strength] += DIFFERENCE * model.slab[strength]
@@ -99,22 +99,22 @@ def _other_shapes(model: DescentLikelihood, fit: CauseFit) -> tuple[list[int], A
 
 def _gains(model: DescentLikelihood, fit: CauseFit, sets: Sequence[Causes], columns: _FurtherColumns) -> Array:
     """Gains of the supersets of one fit, at its likeliest noise."""
-    known = {each.effect for each in model.given}
-    changed = [tuple(name for name in causes if name in known and name not in fit.causes) for causes in sets]
-    products = {own: _products(model, fit, own, columns.values) for own in {(), *changed}}
+    mission_effects = {prior.effect for prior in model.given}
+    changed = [tuple(name for name in causes if name in mission_effects and name not in fit.causes) for causes in sets]
+    products = {causes: _products(model, fit, causes, columns.values) for causes in {(), *changed}}
     plain = products[()].log_density
     prior = replace(model.prior(model.candidates), sd=model.slab)
     masses, gains, alike = prior.log_masses, np.empty(len(sets)), dict[tuple[Causes, tuple[int, ...]], list[int]]()
     strengths = [_strengths(model, set(causes) - set(fit.causes)) for causes in sets]
     known_places = {strength: columns.places(strength) for strength in set(columns.strengths)}
-    places = [[known_places[strength] for strength in own] for own in strengths]
+    places = [[known_places[strength] for strength in indices] for indices in strengths]
     for index, choices in enumerate(places):
         alike.setdefault((changed[index], tuple(map(len, choices))), []).append(index)
-    for (own, points), chosen in alike.items():
+    for (causes, points), chosen in alike.items():
         which = np.array([strengths[index] for index in chosen])
         at = np.array([list(itertools.product(*places[index])) for index in chosen])
-        found = _further_gains(at, points, products[own].gram, prior.of(which.ravel()))
-        gains[chosen] = found - masses[which].sum(axis=1) + products[own].log_density
+        increments = _further_gains(at, points, products[causes].gram, prior.of(which.ravel()))
+        gains[chosen] = increments - masses[which].sum(axis=1) + products[causes].log_density
     return gains - plain
 
 
@@ -128,12 +128,12 @@ def _products(model: DescentLikelihood, fit: CauseFit, changed: Causes, columns:
     linear, prior_sd = fit.state.linear, fit.state.prior_sd
     if changed:
         centre = model.prior((*fit.causes, *changed)).centre
-        own = model.free(changed)
+        indices = model.free(changed)
         prior_sd = prior_sd.copy()
-        prior_sd[[i for i in own if model.coordinates[i].kind != "shape"]] = 0.0
-        linear = replace(linear, y=linear.y - linear.columns[:, own] @ (centre - linear.centre)[own])
-    (found,) = model.products(linear, prior_sd, columns, (noise_grid()[fit.state.best_noise],))
-    return found
+        prior_sd[[i for i in indices if model.coordinates[i].kind != "shape"]] = 0.0
+        linear = replace(linear, y=linear.y - linear.columns[:, indices] @ (centre - linear.centre)[indices])
+    (products,) = model.products(linear, prior_sd, columns, (noise_grid()[fit.state.best_noise],))
+    return products
 
 
 def _further_gains(places: NDArray[np.int_], points: Sequence[int], gram: Array, slabs: Prior) -> Array:
@@ -146,9 +146,9 @@ def _further_gains(places: NDArray[np.int_], points: Sequence[int], gram: Array,
     shares = itertools.product(*(NODE_WEIGHTS if count > 1 else (1.0,) for count in points))
     inner, right = gram[places[..., :, None], places[..., None, :]], gram[places, -1]
     spread = np.linalg.inv(inner + np.eye(size) / USUAL**2)
-    centre, slab, low, high = (own.reshape(sets, 1, size) for own in (slabs.centre, slabs.sd, *slabs.bounds))
+    centre, slab, low, high = (values.reshape(sets, 1, size) for values in (slabs.centre, slabs.sd, *slabs.bounds))
     mean = centre + slab * (spread @ right[..., None])[..., 0]
     sd = slab * np.sqrt(np.diagonal(spread, axis1=-2, axis2=-1))
     inside = np.sum(log_normal_mass((low - mean) / sd, (high - mean) / sd), axis=-1)
-    logs = log_slab_factor(inner, right) + np.log([math.prod(own) for own in shares]) + inside
+    logs = log_slab_factor(inner, right) + np.log([math.prod(weights) for weights in shares]) + inside
     return np.asarray(np.logaddexp.reduce(logs, axis=1))

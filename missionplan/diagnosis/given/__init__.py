@@ -92,23 +92,25 @@ class GivenEffect:
         return np.asarray(self.mean + self.gain @ (mean - self.mean))
 
 
-def held(given: Iterable[GivenEffect], causes: Causes) -> tuple[GivenEffect, ...]:
+def held(priors: Iterable[GivenEffect], causes: Causes) -> tuple[GivenEffect, ...]:
     """Return the given effects that hold beside a set of causes.
 
     A given effect that is itself a cause has changed; one of the same exclusive group is replaced.
     """
     groups = {CATALOGUE[name].exclusive_group for name in causes} - {""}
     return tuple(
-        each for each in given if each.effect not in causes and CATALOGUE[each.effect].exclusive_group not in groups
+        prior
+        for prior in priors
+        if prior.effect not in causes and CATALOGUE[prior.effect].exclusive_group not in groups
     )
 
 
-def tied(given: Iterable[GivenEffect]) -> tuple[GivenEffect, ...]:
+def tied(priors: Iterable[GivenEffect]) -> tuple[GivenEffect, ...]:
     """Return given effects with those that are correlated with each other joined into one."""
     groups: list[list[GivenEffect]] = []
-    for each in given:
-        near = [group for group in groups if any(_are_tied(each, other) for other in group)]
-        groups = [group for group in groups if group not in near] + [[e for group in near for e in group] + [each]]
+    for prior in priors:
+        near = [group for group in groups if any(_are_tied(prior, other) for other in group)]
+        groups = [group for group in groups if group not in near] + [[e for group in near for e in group] + [prior]]
     return tuple(group[0] if len(group) == 1 else _joined(group) for group in groups)
 
 
@@ -118,27 +120,27 @@ def _are_tied(first: GivenEffect, second: GivenEffect) -> bool:
 
 def _joined(group: Sequence[GivenEffect]) -> GivenEffect:
     """One of several effects, with all their covariances."""
-    coordinates = tuple(c for each in group for c in each.coordinates)
-    covariance = block_diag(*(each.covariance for each in group))
+    coordinates = tuple(c for prior in group for c in prior.coordinates)
+    covariance = block_diag(*(prior.covariance for prior in group))
     for i, a in enumerate(coordinates):
         for j, b in enumerate(coordinates):
             covariance[i, j] += group[0].shared.get((a.key, b.key), 0.0)
     return GivenEffect(
-        "+".join(each.effect for each in group),
+        "+".join(prior.effect for prior in group),
         coordinates,
-        np.concatenate([each.mean for each in group]),
+        np.concatenate([prior.mean for prior in group]),
         covariance,
-        np.concatenate([each.scatter for each in group]),
+        np.concatenate([prior.scatter for prior in group]),
     )
 
 
-def places_in(coordinates: Iterable[Coordinate], given: GivenEffect) -> list[int]:
+def places_in(coordinates: Iterable[Coordinate], prior: GivenEffect) -> list[int]:
     """Return the indices of a given effect's coordinates among others."""
     index = {coordinate.key: i for i, coordinate in enumerate(coordinates)}
-    return [index[coordinate.key] for coordinate in given.coordinates]
+    return [index[coordinate.key] for coordinate in prior.coordinates]
 
 
-def coordinate_prior(coordinates: Sequence[Coordinate], causes: Causes, given: Iterable[GivenEffect]) -> Prior:
+def coordinate_prior(coordinates: Sequence[Coordinate], causes: Causes, priors: Iterable[GivenEffect]) -> Prior:
     """Return the prior of coordinates: of causes, of what the mission knows of its own effects, and of all else.
 
     A slab with heavy tails inside its physical range for a cause, what the mission knows of effects that have not
@@ -148,11 +150,11 @@ def coordinate_prior(coordinates: Sequence[Coordinate], causes: Causes, given: I
     is_cause = np.array([coordinate.effect in causes for coordinate in coordinates], dtype=bool)
     sd = np.array([c.slab if c.effect in causes else c.spike for c in coordinates])
     joint = []
-    for each in tied(held(given, causes)):
-        own = places_in(coordinates, each)
-        centre[own], sd[own] = each.mean, np.sqrt(np.diag(each.here))
-        if np.any(each.here != np.diag(np.diag(each.here))):
-            joint.append((np.array(own), each.here))
+    for prior in tied(held(priors, causes)):
+        indices = places_in(coordinates, prior)
+        centre[indices], sd[indices] = prior.mean, np.sqrt(np.diag(prior.here))
+        if np.any(prior.here != np.diag(np.diag(prior.here))):
+            joint.append((np.array(indices), prior.here))
     ranges = np.array([coordinate.range for coordinate in coordinates]).reshape(-1, 2).T
     low, high = (np.where(is_cause, end, beyond) for end, beyond in zip(ranges, (-np.inf, np.inf), strict=True))
     return Prior(centre, sd, is_cause, tuple(joint), low, high)
@@ -168,25 +170,25 @@ class RecordPosterior:
     covariance: Array
     """Shape (k, k)."""
 
-    def known(self, given: Iterable[GivenEffect]) -> tuple[ParameterEstimate, ...]:
+    def known(self, priors: Iterable[GivenEffect]) -> tuple[ParameterEstimate, ...]:
         """Return what is known after the record of the mission's own effects, in the long run."""
-        found: list[ParameterEstimate] = []
-        for each in given:
-            own = places_in(self.coordinates, each)
-            found += each.posterior(self.mean[own], self.covariance[np.ix_(own, own)])
-        return tuple(found)
+        parameters: list[ParameterEstimate] = []
+        for prior in priors:
+            indices = places_in(self.coordinates, prior)
+            parameters += prior.posterior(self.mean[indices], self.covariance[np.ix_(indices, indices)])
+        return tuple(parameters)
 
-    def afterwards(self, given: Sequence[GivenEffect], causes: Sequence[int]) -> JointPosterior:
+    def afterwards(self, priors: Sequence[GivenEffect], causes: Sequence[int]) -> JointPosterior:
         """Return what is known after the record: of the mission's own effects in the long run, and of the causes.
 
-        `given` has those that are tied as one; `causes` are coordinates, known after the record as they are in it.
+        `priors` has those that are tied as one; `causes` are coordinates, known after the record as they are in it.
         """
-        places = [places_in(self.coordinates, each) for each in given]
+        places = [places_in(self.coordinates, prior) for prior in priors]
         chosen = [*itertools.chain(*places), *causes]
-        long_run = (each.long_run(self.mean[own]) for each, own in zip(given, places, strict=True))
+        long_run = (prior.long_run(self.mean[indices]) for prior, indices in zip(priors, places, strict=True))
         mean = np.concatenate([*long_run, self.mean[list(causes)]])
-        gain = block_diag(*(each.gain for each in given), np.eye(len(causes)))
-        left_over = block_diag(*(each.left_over for each in given), np.zeros((len(causes), len(causes))))
+        gain = block_diag(*(prior.gain for prior in priors), np.eye(len(causes)))
+        left_over = block_diag(*(prior.left_over for prior in priors), np.zeros((len(causes), len(causes))))
         covariance = gain @ self.covariance[np.ix_(chosen, chosen)] @ gain.T + left_over
         return JointPosterior(tuple(self.coordinates[index] for index in chosen), mean, covariance)
 
@@ -216,17 +218,17 @@ def has_forecast_error(mission: Mission) -> bool:
 
 
 def with_forecast_error(
-    data: Mapping[str, object], mission: Mission, found: Sequence[ParameterEstimate]
+    data: Mapping[str, object], mission: Mission, estimates: Sequence[ParameterEstimate]
 ) -> dict[str, object]:
     """Write what was found of the error where the mission has it, in `site.current.error`.
 
     Legs tell how long the error lasts along the track alone, so that it has no length any more.
     """
     changed = copy.deepcopy(dict(data))
-    site, own = changed.get("site"), [each for each in found if each.effect == forecast_effect().id]
+    site, sizes = changed.get("site"), [estimate for estimate in estimates if estimate.effect == forecast_effect().id]
     current = site.get("current") if isinstance(site, dict) else None
-    if own and isinstance(current, dict) and has_forecast_error(mission):
-        current["error"] = {each.name: _written(each) for each in own}
+    if sizes and isinstance(current, dict) and has_forecast_error(mission):
+        current["error"] = {size.name: _written(size) for size in sizes}
     return changed
 
 

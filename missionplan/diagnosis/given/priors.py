@@ -39,12 +39,12 @@ def learned_draws(mission: Mission, entries: Sequence[EffectEntry]) -> Drawn:
     """Return the draws of effects of a posterior of which one set is known to hold."""
     if mission.effect_list.learned is None or not entries:
         return [], np.ones(1)
-    held = mission.effect_list.learned.held
-    found = [
-        {name: held.values[:, held.columns.index((entry.effect, name))] for name in entry.parameters}
+    posterior = mission.effect_list.learned.held
+    draws = [
+        {name: posterior.values[:, posterior.columns.index((entry.effect, name))] for name in entry.parameters}
         for entry in entries
     ]
-    return found, held.weights
+    return draws, posterior.weights
 
 
 def stated_draws(mission: Mission, stated: Mapping[str, Mapping[str, Quantity]]) -> Drawn:
@@ -52,20 +52,20 @@ def stated_draws(mission: Mission, stated: Mapping[str, Mapping[str, Quantity]])
 
     `stated` has the parameters of each effect, by the beginning of their key paths.
     """
-    own = {f"{place}.{name}": value for place, parameters in stated.items() for name, value in parameters.items()}
-    joint = JointDistribution.of({**mission.quantities(), **own}, mission.correlated)
-    marginals = {name: value for name, value in own.items() if isinstance(value, Distribution)}
+    by_key = {f"{place}.{name}": value for place, parameters in stated.items() for name, value in parameters.items()}
+    joint = JointDistribution.of({**mission.quantities(), **by_key}, mission.correlated)
+    marginals = {name: value for name, value in by_key.items() if isinstance(value, Distribution)}
     names = sorted({*marginals, *joint.correlated})
     normals = even_normals(DRAWS, len(names), stream(0, "prior", 0))
     drawn = replace(joint, marginals=marginals).draw_from(_Normals(dict(zip(names, normals.T, strict=True))), DRAWS)
-    found = [
+    draws = [
         {
             name: drawn.get(f"{place}.{name}", np.full(DRAWS, float(mean_of(value))))
             for name, value in parameters.items()
         }
         for place, parameters in stated.items()
     ]
-    return found, np.full(DRAWS, 1.0 / DRAWS)
+    return draws, np.full(DRAWS, 1.0 / DRAWS)
 
 
 @dataclass(frozen=True)
@@ -107,24 +107,24 @@ def given_priors(mission: Mission, wanted: Iterable[EffectInfo]) -> tuple[GivenE
 
     An effect whose shape is at its neutral value (infinite degrees of freedom) or whose size is nil is left out.
     """
-    known = {info.id: info for info in wanted}
-    learned = [each for each in mission.effect_list.known if each.effect in known and is_learned(each)]
-    stated = [(e.place, e) for e in mission.effect_list.known if e.effect in known and not is_learned(e)]
+    infos = {info.id: info for info in wanted}
+    learned = [entry for entry in mission.effect_list.known if entry.effect in infos and is_learned(entry)]
+    stated = [(e.place, e) for e in mission.effect_list.known if e.effect in infos and not is_learned(e)]
     error = along_a_track(mission)
-    if error is not None and error[0].id in known:
+    if error is not None and error[0].id in infos:
         stated.append((ERROR_PLACE, EffectEntry(error[0].id, error[1])))
-    places = {place: each.parameters for place, each in stated}
+    places = {place: entry.parameters for place, entry in stated}
     drawn, weights = stated_draws(mission, places) if places else ([], ONE)
     by_place = dict(zip(places, drawn, strict=True))
     return (
-        *_of_draws(learned, known, *learned_draws(mission, learned)),
-        *_of_draws([each for _, each in stated], known, [by_place[place] for place, _ in stated], weights),
+        *_of_draws(learned, infos, *learned_draws(mission, learned)),
+        *_of_draws([entry for _, entry in stated], infos, [by_place[place] for place, _ in stated], weights),
     )
 
 
 def _of_draws(
     entries: Sequence[EffectEntry],
-    known: Mapping[str, EffectInfo],
+    infos: Mapping[str, EffectInfo],
     draws: Sequence[Mapping[str, Array]],
     weights: Array,
 ) -> tuple[GivenEffect, ...]:
@@ -132,13 +132,13 @@ def _of_draws(
     listed: list[tuple[EffectInfo, tuple[Coordinate, ...]]] = []
     values: list[Array | None] = []
     for entry, parameters in zip(entries, draws, strict=True):
-        info = known[entry.effect]
+        info = infos[entry.effect]
         stated = _stated(info, entry.parameters)
         if stated is not None:
             coordinates, quantities = stated
-            own = {name: parameters.get(name, np.full(1, mean_of(value))) for name, value in quantities.items()}
+            samples = {name: parameters.get(name, np.full(1, mean_of(value))) for name, value in quantities.items()}
             listed.append((info, coordinates))
-            values += [_values(c, own, dict(info.polar)) for c in coordinates]
+            values += [_values(c, samples, dict(info.polar)) for c in coordinates]
     if not listed:
         return ()
     all_coordinates = [c for _, coordinates in listed for c in coordinates]
@@ -148,25 +148,25 @@ def _of_draws(
     rho = together / np.outer(sd, sd)
     shared = {
         (all_coordinates[i].key, all_coordinates[j].key): float(together[i, j])
-        for own, other in permutations([range(a, b) for a, b in pairwise(ends)], 2)
-        if np.abs(rho[np.ix_(own, other)]).max(initial=0.0) > LEAST_CORRELATION
-        for i in own
+        for block, other in permutations([range(a, b) for a, b in pairwise(ends)], 2)
+        if np.abs(rho[np.ix_(block, other)]).max(initial=0.0) > LEAST_CORRELATION
+        for i in block
         for j in other
     }
     return tuple(
-        replace(_made(*each, mean[a:b], together[a:b, a:b].copy()), shared=shared)
-        for each, (a, b) in zip(listed, pairwise(ends), strict=True)
+        replace(_made(*pair, mean[a:b], together[a:b, a:b].copy()), shared=shared)
+        for pair, (a, b) in zip(listed, pairwise(ends), strict=True)
     )
 
 
 def check_together(
-    given: Iterable[GivenEffect], mission: Mission, phase: Literal["transit", "descent", "tank"]
+    priors: Iterable[GivenEffect], mission: Mission, phase: Literal["transit", "descent", "tank"]
 ) -> None:
     """Refuse missions whose effects a diagnosis cannot hold together.
 
     Raises InputError with each pair.
     """
-    names = [each.effect for each in given]
+    names = [prior.effect for prior in priors]
     twice = [name for name in dict.fromkeys(names) if names.count(name) > 1]
     problems = [f"{name} is given {names.count(name)} times; a diagnosis holds one of each" for name in twice]
     for group in exclusive_groups(phase):
@@ -194,20 +194,20 @@ def _stated(
         return None
     phases = dict(info.polar)
     names = [name for name in info.parameters if name in quantities or phases.get(name) in quantities]
-    given = {name: quantity for name, quantity in quantities.items() if name not in unknown}
-    return coordinates_of(info, names), given
+    known_quantities = {name: quantity for name, quantity in quantities.items() if name not in unknown}
+    return coordinates_of(info, names), known_quantities
 
 
 def _values(coordinate: Coordinate, parameters: Mapping[str, Array], phases: Mapping[str, str]) -> Array | None:
     """Draws of a coordinate; None of a shape that the mission does not give."""
-    own = parameters.get(coordinate.name)
+    draws = parameters.get(coordinate.name)
     if coordinate.kind == "shape":
-        if own is None:
+        if draws is None:
             return None
-        return np.asarray(np.log(np.maximum(own, LEAST_SHAPE * own.mean())))
+        return np.asarray(np.log(np.maximum(draws, LEAST_SHAPE * draws.mean())))
     if coordinate.kind == "strength":
-        return own if own is not None else np.zeros(1)
-    size = own if own is not None else np.zeros(1)
+        return draws if draws is not None else np.zeros(1)
+    size = draws if draws is not None else np.zeros(1)
     angle = parameters.get(phases[coordinate.name], np.zeros(1))
     return np.asarray(size * (np.cos(angle) if coordinate.kind == "cosine" else np.sin(angle)))
 
@@ -219,8 +219,8 @@ def _moments(coordinates: Sequence[Coordinate], values: Sequence[Array | None], 
     mean = drawn @ weights
     apart = drawn - mean[:, None]
     covariance = (apart * weights) @ apart.T
-    for index, (coordinate, own) in enumerate(zip(coordinates, values, strict=True)):
-        if own is None:
+    for index, (coordinate, draws) in enumerate(zip(coordinates, values, strict=True)):
+        if draws is None:
             covariance[index, index] = coordinate.slab**2
         elif covariance[index, index] < (CONSTANT * max(abs(mean[index]), CONSTANT)) ** 2:
             covariance[index], covariance[:, index] = 0.0, 0.0
@@ -233,12 +233,12 @@ def _made(info: EffectInfo, coordinates: tuple[Coordinate, ...], mean: Array, co
     for index, coordinate in enumerate(coordinates):
         first = index - (coordinate.kind == "sine")
         pair = slice(first, first + 1 + (coordinate.kind in ("cosine", "sine")))
-        known = np.any(np.diag(covariance)[pair] > 0.0) if coordinate.kind != "cosine" else True
+        has_spread = np.any(np.diag(covariance)[pair] > 0.0) if coordinate.kind != "cosine" else True
         if coordinate.kind == "cosine":
             continue
         if coordinate.kind == "shape":
             covariance[index, index] = covariance[index, index] or BARE_SHAPE_LOG_SD**2
-        elif known:
+        elif has_spread:
             scatter[pair] = coordinate.spike**2
         else:
             covariance[pair, pair] = coordinate.spike**2 * np.eye(len(mean[pair]))

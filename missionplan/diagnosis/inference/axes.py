@@ -115,12 +115,12 @@ def pointwise(name: str, description: str, inputs: Array, directions: Array | No
     `name`, `description`: of the axis. `inputs`, shape (N, d): where each value lies. `directions`, shape (N, p),
     optional: response of each value to each of p functions; default one function, to which all respond alike.
     """
-    own = np.ones((len(inputs), 1)) if directions is None else directions
+    responses = np.ones((len(inputs), 1)) if directions is None else directions
     if inputs.shape[1] > 1:
         places, at = np.unique(inputs, axis=0, return_inverse=True)
-        return Axis(name, description, places, own, at=at.ravel())
+        return Axis(name, description, places, responses, at=at.ravel())
     places, weights = _between_nodes(inputs[:, 0])
-    return Axis(name, description, places, directed(weights, own))
+    return Axis(name, description, places, directed(weights, responses))
 
 
 def around(name: str, description: str, angles: Array, directions: Array) -> Axis:

@@ -64,26 +64,26 @@ class BlockCovariance:
         """Return that of some of the data, in their order."""
         place = np.full(len(self.root), -1)
         place[rows] = np.arange(len(rows))
-        kept = [place[own] >= 0 for own in self.rows]
+        kept = [place[block_rows] >= 0 for block_rows in self.rows]
         pairs = list(zip(self.rows, self.blocks, kept, strict=True))
         blocks = tuple(block[np.ix_(chosen, chosen)] for _, block, chosen in pairs if chosen.any())
-        places = tuple(place[own[chosen]] for own, _, chosen in pairs if chosen.any())
+        places = tuple(place[block_rows[chosen]] for block_rows, _, chosen in pairs if chosen.any())
         return BlockCovariance(places, blocks, self.root[rows])
 
     @property
     def variances(self) -> Array:
         """Variance of each datum, shape (N,)."""
-        found = np.sum(self.root**2, axis=1)
-        for own, block in zip(self.rows, self.blocks, strict=True):
-            found[own] += np.diag(block)
-        return np.asarray(found)
+        variances = np.sum(self.root**2, axis=1)
+        for rows, block in zip(self.rows, self.blocks, strict=True):
+            variances[rows] += np.diag(block)
+        return np.asarray(variances)
 
     def dense(self) -> Array:
         """Return the matrix, shape (N, N)."""
-        found = self.root @ self.root.T
-        for own, block in zip(self.rows, self.blocks, strict=True):
-            found[np.ix_(own, own)] += block
-        return np.asarray(found)
+        matrix = self.root @ self.root.T
+        for rows, block in zip(self.rows, self.blocks, strict=True):
+            matrix[np.ix_(rows, rows)] += block
+        return np.asarray(matrix)
 
     @cached_property
     def _factors(self) -> tuple[Array, ...]:
@@ -92,17 +92,17 @@ class BlockCovariance:
 
     def in_blocks(self, values: Array) -> Array:
         """Whiten values, shape (N, c), by the blocks alone: L⁻¹ times them."""
-        found = np.empty(values.shape)
-        for own, factor in zip(self.rows, self._factors, strict=True):
-            found[own] = lapack.dtrtrs(factor.T, values[own], trans=1)[0]  # as it lies in memory, an upper triangle
-        return found
+        white = np.empty(values.shape)
+        for rows, factor in zip(self.rows, self._factors, strict=True):
+            white[rows] = lapack.dtrtrs(factor.T, values[rows], trans=1)[0]  # as it lies in memory, an upper triangle
+        return white
 
     def coloured(self, values: Array) -> Array:
         """Return L times values, shape (N, c)."""
-        found = np.empty(values.shape)
-        for own, factor in zip(self.rows, self._factors, strict=True):
-            found[own] = factor @ values[own]
-        return found
+        products = np.empty(values.shape)
+        for rows, factor in zip(self.rows, self._factors, strict=True):
+            products[rows] = factor @ values[rows]
+        return products
 
     @cached_property
     def _white_root(self) -> Array:
@@ -119,13 +119,13 @@ class BlockCovariance:
     def log_determinant(self) -> float:
         """Ln |W|."""
         triangles = (*self._factors, self._triangle)
-        return 2.0 * sum(float(np.log(np.abs(np.diag(each))).sum()) for each in triangles)
+        return 2.0 * sum(float(np.log(np.abs(np.diag(triangle))).sum()) for triangle in triangles)
 
     def gram(self, values: Array) -> Array:
         """Inner products xᵀW⁻¹y of columns, shape (N, c) → (c, c)."""
         white = self.in_blocks(values)
-        known = solve_triangular(self._triangle, self._white_root.T @ white, trans=1, check_finite=False)
-        return np.asarray(white.T @ white - known.T @ known)
+        projection = solve_triangular(self._triangle, self._white_root.T @ white, trans=1, check_finite=False)
+        return np.asarray(white.T @ white - projection.T @ projection)
 
     def products(self, columns: Array, y: Array, log_weight: float = 0.0) -> InnerProducts:
         """Inner products of columns, shape (N, c), and data, shape (N,)."""
@@ -135,8 +135,8 @@ class BlockCovariance:
     def log_densities(self, values: Array) -> Array:
         """Log density of data of mean nil, shape (N, s) → (s,)."""
         white = self.in_blocks(values)
-        known = solve_triangular(self._triangle, self._white_root.T @ white, trans=1, check_finite=False)
-        squared = np.sum(white**2, axis=0) - np.sum(known**2, axis=0)
+        projection = solve_triangular(self._triangle, self._white_root.T @ white, trans=1, check_finite=False)
+        squared = np.sum(white**2, axis=0) - np.sum(projection**2, axis=0)
         return np.asarray(-0.5 * (squared + self.log_determinant + len(values) * LOG_2PI))
 
     def whitened(self, values: Array) -> Array:
@@ -159,18 +159,18 @@ class BlockCovariance:
         The prediction-error decomposition (Harvey 1989, *Forecasting, Structural Time Series Models and the Kalman
         Filter*, section 3.4): white noise if all is well.
         """
-        return np.concatenate([found for _, _, found in self._forward(values)])
+        return np.concatenate([white for _, _, white in self._forward(values)])
 
     def errors_ahead(self, values: Array, together: int) -> Array:
         """Return errors of predicting data, so many of a group in turn together, from the groups before, shape (N,)."""
-        scale, found = np.empty(len(values)), np.empty(len(values))
-        for own, factor in zip(self.rows, self._factors, strict=True):
-            scale[own] = np.diag(factor)
+        scale, errors = np.empty(len(values)), np.empty(len(values))
+        for rows, factor in zip(self.rows, self._factors, strict=True):
+            scale[rows] = np.diag(factor)
         for first, factor, white in self._forward(values):
             for begin in range(0, len(white), together):
                 group = slice(begin, begin + together)
-                found[first + begin : first + begin + together] = factor[group, group] @ white[group]
-        return scale * found
+                errors[first + begin : first + begin + together] = factor[group, group] @ white[group]
+        return scale * errors
 
     def _forward(self, values: Array) -> Iterator[tuple[int, Array, Array]]:
         """First place of data in turn, factor of their covariance beside L, and their innovations.
@@ -180,14 +180,14 @@ class BlockCovariance:
         """
         both = np.concatenate([self._white_root, self.in_blocks(values[:, None])], axis=1)
         count = self.root.shape[1]
-        known = np.eye(count, count + 1)
+        information = np.eye(count, count + 1)
         for first in range(0, len(values), AT_ONCE):
             here = both[first : first + AT_ONCE]
-            gain = solve_triangular(known[:, :-1], here[:, :-1].T, trans=1, check_finite=False)
+            gain = solve_triangular(information[:, :-1], here[:, :-1].T, trans=1, check_finite=False)
             factor = np.asarray(np.linalg.cholesky(gain.T @ gain + np.eye(len(here))), dtype=float)
-            error = here[:, -1] - gain.T @ known[:, -1]
+            error = here[:, -1] - gain.T @ information[:, -1]
             yield first, factor, solve_triangular(factor, error, lower=True, check_finite=False)
-            known = np.asarray(np.linalg.qr(np.concatenate([known, here]), mode="r")[:count], dtype=float)
+            information = np.asarray(np.linalg.qr(np.concatenate([information, here]), mode="r")[:count], dtype=float)
 
     def left_out(self, values: Array, groups: Iterable[NDArray[np.int_]]) -> Iterator[Normal]:
         """Yield the error of predicting each group of data from all others, and its covariance.
@@ -197,15 +197,15 @@ class BlockCovariance:
         """
         update, pulled = self._low_rank_update, np.empty(values.shape)
         block, place = np.empty(len(values), dtype=int), np.empty(len(values), dtype=int)
-        for number, (own, inverse) in enumerate(zip(self.rows, self._inverses, strict=True)):
-            pulled[own], block[own], place[own] = inverse @ values[own], number, np.arange(len(own))
+        for number, (rows, inverse) in enumerate(zip(self.rows, self._inverses, strict=True)):
+            pulled[rows], block[rows], place[rows] = inverse @ values[rows], number, np.arange(len(rows))
         pulled -= update @ (update.T @ values)
         for group in groups:
             precision = -update[group] @ update[group].T
             for number in np.unique(block[group]):
-                own = np.flatnonzero(block[group] == number)
-                places = place[group[own]]
-                precision[np.ix_(own, own)] += self._inverses[number][np.ix_(places, places)]
+                rows = np.flatnonzero(block[group] == number)
+                places = place[group[rows]]
+                precision[np.ix_(rows, rows)] += self._inverses[number][np.ix_(places, places)]
             covariance = np.asarray(np.linalg.inv(precision), dtype=float)
             yield covariance @ pulled[group], covariance
 
@@ -215,8 +215,8 @@ class BlockCovariance:
         The difference of two is that of Kullback–Leibler divergences (Rasmussen & Williams 2006, Eq. A.23).
         """
         squared = float(np.trace(self.gram(np.concatenate([truth.root, away[:, None]], axis=1))))
-        for own, inverse, block in zip(self.rows, self._inverses, truth.blocks, strict=True):
-            update = self._low_rank_update[own]
+        for rows, inverse, block in zip(self.rows, self._inverses, truth.blocks, strict=True):
+            update = self._low_rank_update[rows]
             squared += float(np.sum(inverse * block) - np.sum(update * (block @ update)))
         return 0.5 * (squared + self.log_determinant)
 
@@ -227,7 +227,7 @@ class BlockCovariance:
     @cached_property
     def _low_rank_update(self) -> Array:
         """U = B⁻¹R T⁻¹, shape (N, m): W⁻¹ = B⁻¹ − U Uᵀ."""
-        found = np.empty(self.root.shape)
-        for own, inverse in zip(self.rows, self._inverses, strict=True):
-            found[own] = inverse @ self.root[own]
-        return np.asarray(solve_triangular(self._triangle, found.T, trans=1, check_finite=False).T)
+        product = np.empty(self.root.shape)
+        for rows, inverse in zip(self.rows, self._inverses, strict=True):
+            product[rows] = inverse @ self.root[rows]
+        return np.asarray(solve_triangular(self._triangle, product.T, trans=1, check_finite=False).T)

@@ -135,13 +135,13 @@ def outlying_groups(residuals: Residuals) -> tuple[OutlyingGroup, ...]:
     """
     names = list(dict.fromkeys(residuals.groups.tolist()))
     groups = [np.flatnonzero(residuals.groups == name) for name in names]
-    found = []
+    outliers = []
     for name, (error, covariance) in zip(names, residuals.covariance.left_out(residuals.values, groups), strict=True):
         squared = float(error @ np.linalg.solve(covariance, error))
         p_value = min(1.0, float(chdtrc(len(error), squared)) * len(names))
         if p_value < OUTLYING and len(names) > 1:
-            found.append(OutlyingGroup(name, p_value))
-    return tuple(found)
+            outliers.append(OutlyingGroup(name, p_value))
+    return tuple(outliers)
 
 
 LENGTHS = (0.3, 0.1)
@@ -165,12 +165,12 @@ class Responses:
     @cached_property
     def joined(self) -> Array:
         """All columns, shape (N, m)."""
-        return np.concatenate([own for alternatives in self.columns for own in alternatives], axis=1)
+        return np.concatenate([part for alternatives in self.columns for part in alternatives], axis=1)
 
     @cached_property
     def _parts(self) -> list[list[NDArray[np.intp]]]:
         """Places of each alternative's columns among all."""
-        ends = np.cumsum([own.shape[1] for alternatives in self.columns for own in alternatives])
+        ends = np.cumsum([part.shape[1] for alternatives in self.columns for part in alternatives])
         places = iter(np.split(np.arange(ends[-1]), ends[:-1]))
         return [[next(places) for _ in alternatives] for alternatives in self.columns]
 
@@ -180,32 +180,34 @@ class Responses:
 
         They may do what a named cause does: else whatever is like one were its, before they compete with it.
         """
-        found = []
+        by_axis = []
         for axis in axes:
             if len(axis.places) == 1:
-                found.append(np.split(axis.response, axis.functions if axis.in_some_runs else 1, axis=1))
+                by_axis.append(np.split(axis.response, axis.functions if axis.in_some_runs else 1, axis=1))
                 continue
             most = MOST_COLUMNS if axis.functions == 1 else max(MOST_OF_RUNS, axis.functions)
             smooth = []
             for length in LENGTHS:
                 white = covariance.in_blocks(axis.smooth_columns(length))
                 smooth.append(covariance.coloured(principal_components(white, most, LEAST_SHARE)))
-            found.append(smooth)
-        return cls(axes, [[axis.size * own for own in each] for axis, each in zip(axes, found, strict=True)])
+            by_axis.append(smooth)
+        return cls(axes, [[axis.size * part for part in parts] for axis, parts in zip(axes, by_axis, strict=True)])
 
     def in_size(self, size: float) -> "Responses":
         """Return them so large that each alternative has this root mean square in the data, where these respond."""
-        sizes = [[float(np.sqrt(np.sum(own**2) / len(own))) for own in alternatives] for alternatives in self.columns]
+        sizes = [
+            [float(np.sqrt(np.sum(part**2) / len(part))) for part in alternatives] for alternatives in self.columns
+        ]
         scaled = [
-            [size / max(usual, 1e-300) * own for own, usual in zip(alternatives, alike, strict=True)]
+            [size / max(usual, 1e-300) * part for part, usual in zip(alternatives, alike, strict=True)]
             for alternatives, alike in zip(self.columns, sizes, strict=True)
         ]
         return Responses(self.axes, scaled)
 
     def log_gains(self, products: Sequence[InnerProducts]) -> Array:
         """What each response adds to the log evidence, shape (r,), a mean over noises, sizes and alternatives."""
-        grams = np.stack([each.gram for each in products])
-        plain = np.array([each.log_density for each in products])
+        grams = np.stack([product.gram for product in products])
+        plain = np.array([product.log_density for product in products])
         plain -= logsumexp(plain)
 
         def gain(part: NDArray[np.intp], *, is_one: bool = False) -> float:
@@ -248,11 +250,11 @@ USUAL = 1.0 / 3.0
 
 def discrepancy(residuals: Residuals) -> Discrepancy:
     """Test what a model leaves, along every axis and by residual tests."""
-    found = along_each_axis(residuals)
-    together = float(logsumexp([value for _, value in found]) - np.log(len(found))) if found else 0.0
+    gains = along_each_axis(residuals)
+    together = float(logsumexp([value for _, value in gains]) - np.log(len(gains))) if gains else 0.0
     tests = residual_tests(residuals, residuals.innovations())
-    likeliest = found[0][0] if together > THRESHOLD else None
-    by_axis = tuple((axis.description, value) for axis, value in found)
+    likeliest = gains[0][0] if together > THRESHOLD else None
+    by_axis = tuple((axis.description, value) for axis, value in gains)
     if likeliest is not None:
         shape = _shape(likeliest, residuals)
         return Discrepancy(together, likeliest.name, by_axis, tests, likeliest.description, shape)
@@ -282,12 +284,12 @@ def differing_causes(
     strengths of each cause, shape (N, c). `parts`, shape (N, p): divisions of the data: 1 where a datum is of a part.
     """
     axes = [
-        differing(name, (part[:, :, None] * own[:, None]).reshape(len(own), -1))
-        for name, own in columns.items()
+        differing(name, (part[:, :, None] * response[:, None]).reshape(len(response), -1))
+        for name, response in columns.items()
         for part in parts
     ]
-    found = {axis.description for axis, value in along_each_axis(residuals_along(axes)) if value > THRESHOLD}
-    return tuple(name for name in columns if name in found)
+    descriptions = {axis.description for axis, value in along_each_axis(residuals_along(axes)) if value > THRESHOLD}
+    return tuple(name for name in columns if name in descriptions)
 
 
 def _shape(axis: Axis, residuals: Residuals) -> DiscrepancyShape | None:
@@ -298,22 +300,22 @@ def _shape(axis: Axis, residuals: Residuals) -> DiscrepancyShape | None:
     typical = float(np.sqrt(np.median(residuals.covariance.variances)))
     bases = [axis.smooth(length) for length in LENGTHS]
     squares = [np.sum(axis.smooth_columns(length) ** 2, axis=1) for length in LENGTHS]
-    usual = [USUAL * typical / float(np.sqrt(np.mean(each))) for each in squares]
+    usual = [USUAL * typical / float(np.sqrt(np.mean(square))) for square in squares]
     posteriors = (
         _function_posterior(products, basis, size * unit)
         for products in residuals.inner_products(axis.response)
         for (basis, unit), size in itertools.product(zip(bases, usual, strict=True), SCALES)
     )
-    _, mean, sd = max(posteriors, key=lambda found: found[0])
+    _, mean, sd = max(posteriors, key=lambda posterior: posterior[0])
     at = scale.at(axis.places[:, 0])
     return DiscrepancyShape(scale.place, scale.value, at, scale.factor * mean, scale.factor * sd)
 
 
 def _function_posterior(products: InnerProducts, basis: Array, size: float) -> tuple[float, Array, Array]:
     """Log evidence of a function size·basis·z with z ~ N(0, I), and its posterior mean and sd at the places, (m,)."""
-    own = size * basis
-    gram, right = own.T @ products.gram[:-1, :-1] @ own, own.T @ products.gram[:-1, -1]
+    scaled_basis = size * basis
+    gram, right = scaled_basis.T @ products.gram[:-1, :-1] @ scaled_basis, scaled_basis.T @ products.gram[:-1, -1]
     factor = np.linalg.cholesky(gram + np.eye(len(gram)))
-    half = solve_triangular(factor, np.column_stack([right, own.T]), lower=True)
+    half = solve_triangular(factor, np.column_stack([right, scaled_basis.T]), lower=True)
     evidence = products.log_density + 0.5 * float(half[:, 0] @ half[:, 0]) - float(np.log(np.diag(factor)).sum())
     return evidence, half[:, 1:].T @ half[:, 0], np.sqrt(np.sum(half[:, 1:] ** 2, axis=0))

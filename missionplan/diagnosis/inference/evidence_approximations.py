@@ -67,22 +67,22 @@ def laplace(
     the boundary of the support just inside it, which serves to draw about it: the evidence is that of a normal law that
     the boundary does not cut.
     """
-    known: dict[bytes, float] = {}
+    cache: dict[bytes, float] = {}
 
     def negative(at: Array) -> float:
         key = at.tobytes()
-        if key not in known:
-            known[key] = _negative(log_posterior, at)
-        return known[key]
+        if key not in cache:
+            cache[key] = _negative(log_posterior, at)
+        return cache[key]
 
     best = min(starts, key=negative)
-    found = scipy.optimize.minimize(
+    optimum = scipy.optimize.minimize(
         negative,
         best,
         method="BFGS",
         options={"gtol": GRADIENT, "eps": SEARCH_STEP, "maxiter": STEPS, "hess_inv0": spread},
     )
-    mode = found.x if found.fun <= negative(best) else best
+    mode = optimum.x if optimum.fun <= negative(best) else best
     if not integrate:
         return Laplace(math.nan, mode, spread)
     if keep_inside:
@@ -107,8 +107,8 @@ def _curvature(negative: Callable[[Array], float], mode: Array) -> Array:
     """Second derivatives by central differences (Nocedal & Wright 2006, section 8.1), shorter steps at a boundary."""
     count = len(mode)
     centre = negative(mode)
-    found = [_either_side(negative, mode, unit) for unit in CURVATURE_STEP * np.eye(count)]
-    unit, ahead, behind = (np.array(values) for values in zip(*found, strict=True))
+    sides = [_either_side(negative, mode, unit) for unit in CURVATURE_STEP * np.eye(count)]
+    unit, ahead, behind = (np.array(values) for values in zip(*sides, strict=True))
     steps = np.diag(unit)
     result = np.empty((count, count))
     for i in range(count):

@@ -52,10 +52,10 @@ def discriminations(
     The first set is taken as true; `direct` are instruments that measure one cause by itself.
     """
     asked = [(rival, in_hand) for rival in rivals for in_hand in (False, True)]
-    found = parallel_map(partial(_measurements, model, first, direct), asked, jobs=jobs)
+    measurements = parallel_map(partial(_measurements, model, first, direct), asked, jobs=jobs)
     return tuple(
         Discrimination(cheapest, in_hand.expected_log_bayes_factor < INDISTINGUISHABLE_BELOW)
-        for cheapest, in_hand in zip(found[::2], found[1::2], strict=True)
+        for cheapest, in_hand in zip(measurements[::2], measurements[1::2], strict=True)
     )
 
 
@@ -94,6 +94,6 @@ def _designs(
         yield description, model.discrimination(first, rival, index)
     for fit, other in ((first, rival), (rival, first)):
         for estimate in fit.estimates:
-            known = direct.get(estimate.effect)
-            if known and known.parameter == estimate.name and estimate.effect not in other.causes:
-                yield known.description, 0.5 * (estimate.value / known.sd) ** 2
+            instrument = direct.get(estimate.effect)
+            if instrument and instrument.parameter == estimate.name and estimate.effect not in other.causes:
+                yield instrument.description, 0.5 * (estimate.value / instrument.sd) ** 2

@@ -144,7 +144,7 @@ class _Evaluator:
         settings = [self._settings(start, at) for start, at in wanted]
         ends = np.cumsum([block.shape[1] for block in settings])
         predictions = np.split(self._problem.predict(np.concatenate(settings, axis=1)), ends[:-1], axis=1)
-        return [self._point(start, at, found) for (start, at), found in zip(wanted, predictions, strict=True)]
+        return [self._point(start, at, block) for (start, at), block in zip(wanted, predictions, strict=True)]
 
     def _settings(self, start: Start, at: Array) -> Array:
         """The point itself, and one setting a free coordinate for the differences ahead, then for those behind."""

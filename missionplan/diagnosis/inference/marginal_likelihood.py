@@ -120,15 +120,15 @@ class GramMatrix:
     def joined(self, first: int, size: int) -> "GramMatrix":
         """Return that with the columns of a block, one of `blocks_by_size`, after the others."""
         assert self.further is not None
-        own = self.further[:, first : first + size]
-        alike = next(each for each in self.inner if each.shape[1] == size)
-        before = sum(each.shape[0] * each.shape[1] for each in self.inner if each.shape[1] < size)
+        cross_products = self.further[:, first : first + size]
+        alike = next(blocks for blocks in self.inner if blocks.shape[1] == size)
+        before = sum(blocks.shape[0] * blocks.shape[1] for blocks in self.inner if blocks.shape[1] < size)
         inner = alike[(first - before) // size]
         k = len(self.products) - 1
         rows = [
-            [self.products[:k, :k], own[:k], self.products[:k, k:]],
-            [own[:k].T, inner, own[k:].T],
-            [self.products[k:, :k], own[k:], self.products[k:, k:]],
+            [self.products[:k, :k], cross_products[:k], self.products[:k, k:]],
+            [cross_products[:k].T, inner, cross_products[k:].T],
+            [self.products[k:, :k], cross_products[k:], self.products[k:, k:]],
         ]
         return GramMatrix(np.block(rows), self.log_normaliser)
 
@@ -185,9 +185,9 @@ class _Integrated:
         further = further - np.swapaxes(half, 1, 2) @ halves
         inner, first = [], 0
         for place, size in enumerate(sizes):
-            own = np.stack([gram.inner[place] for gram in grams])
-            last = first + size * own.shape[1]
-            inner.append(_less(own, halves[..., first:last])[:, None])
+            blocks = np.stack([gram.inner[place] for gram in grams])
+            last = first + size * blocks.shape[1]
+            inner.append(_less(blocks, halves[..., first:last])[:, None])
             first = last
         return cls(products, logs, further, tuple(inner))
 
@@ -207,14 +207,14 @@ class _Integrated:
         logs -= np.log(np.diagonal(lower, axis1=-2, axis2=-1)).sum(axis=-1)
         halves = turned @ self.further[:, None, :-1]
         right = self.further[:, None, -1] - mean @ self.further[:, :-1] - (white[..., None, :] @ halves)[..., 0, :]
-        found, first = [logs[..., None]], 0
+        parts, first = [logs[..., None]], 0
         for inner in self.inner:
             size, scale = inner.shape[-1], scales[:, None, None]
             last = first + size * inner.shape[2]
             left = scale[..., None] ** 2 * _less(inner, halves[..., first:last])
-            found.append(logs[..., None] + log_factor(left, scale * right[..., first:last].reshape(*left.shape[:-1])))
+            parts.append(logs[..., None] + log_factor(left, scale * right[..., first:last].reshape(*left.shape[:-1])))
             first = last
-        return np.concatenate(found, axis=-1)
+        return np.concatenate(parts, axis=-1)
 
 
 def _less(inner: Array, halves: Array) -> Array:
@@ -224,10 +224,10 @@ def _less(inner: Array, halves: Array) -> Array:
         blocks = halves.reshape(*halves.shape[:-1], inner.shape[-3], size).swapaxes(-3, -2)
         return np.asarray(inner - blocks.swapaxes(-1, -2) @ blocks)
     parts = [np.ascontiguousarray(halves[..., i::size]) for i in range(size)]
-    found = np.zeros((size, size, *halves.shape[:-2], inner.shape[-3]))
+    remainder = np.zeros((size, size, *halves.shape[:-2], inner.shape[-3]))
     for i, j in itertools.combinations_with_replacement(range(size), 2):
-        found[j, i] = inner[..., j, i] - (parts[i] * parts[j]).sum(axis=-2)
-    return np.moveaxis(found, (0, 1), (-2, -1))
+        remainder[j, i] = inner[..., j, i] - (parts[i] * parts[j]).sum(axis=-2)
+    return np.moveaxis(remainder, (0, 1), (-2, -1))
 
 
 @dataclass(frozen=True)
@@ -270,17 +270,17 @@ class SetPriors:
         order = np.argsort(blocks[:, 0])  # as the blocks stand in their columns
         together = max(AT_ONCE // max(int(blocks[:, 1].sum()), len(base)), 1)
         noises = max(together // len(base), 1)
-        found = np.empty((len(grams), len(ranks), 1 + len(blocks)))
+        densities = np.empty((len(grams), len(ranks), 1 + len(blocks)))
         for start in range(0, len(grams), noises):
             some = _Integrated.of(grams[start : start + noises], base, sizes)
             for rank in np.unique(ranks).tolist():
                 alike = np.flatnonzero(ranks == rank)
                 count = math.ceil(len(alike) * len(some.products) * max(rank, 1) / together)
-                for own in np.array_split(alike, min(count, len(alike))):
-                    logs = some.log_densities(self.mean[own], rest[own, :, :rank], scales[own])
-                    found[start : start + noises, own[:, None], 1 + order] = logs[..., 1:]
-                    found[start : start + noises, own, 0] = logs[..., 0]
-        return found
+                for sets in np.array_split(alike, min(count, len(alike))):
+                    logs = some.log_densities(self.mean[sets], rest[sets, :, :rank], scales[sets])
+                    densities[start : start + noises, sets[:, None], 1 + order] = logs[..., 1:]
+                    densities[start : start + noises, sets, 0] = logs[..., 0]
+        return densities
 
     def posterior(self, grams: Sequence[GramMatrix]) -> tuple[Array, Array]:
         """Posterior means (j, s, k) and factors R, (j, s, k, k), of the covariances R Rᵀ."""
@@ -312,10 +312,10 @@ def log_factor(inner: Array, right: Array) -> Array:
     for i, row in enumerate(rows):
         pivot = np.maximum(row[i], 0.0) + 1.0
         logs = logs + 0.5 * (last[i] ** 2 / pivot - np.log(pivot))
-        for own in (*rows[i + 1 :], last):
-            share = own[i] / pivot
-            for j in range(i + 1, min(len(own), size)):
-                own[j] = own[j] - share * rows[j][i]
+        for lower_row in (*rows[i + 1 :], last):
+            share = lower_row[i] / pivot
+            for j in range(i + 1, min(len(lower_row), size)):
+                lower_row[j] = lower_row[j] - share * rows[j][i]
     return np.asarray(logs)
 
 

@@ -136,8 +136,8 @@ def fitted(model: Model, requests: Sequence[FitRequest], jobs: int = 1) -> list[
     list
         A fit, or why there is none, for each set in their order.
     """
-    found = parallel_map(model.fit_all, requests, jobs=jobs, separately=not isinstance(model, FitsTogether))
-    fits = [_in_numbers(fit) for fit in found]
+    results = parallel_map(model.fit_all, requests, jobs=jobs, separately=not isinstance(model, FitsTogether))
+    fits = [_in_numbers(fit) for fit in results]
     if not isinstance(model, FitsTogether):
         return fits
     best = max((fit.log_evidence for fit in fits if isinstance(fit, CauseFit)), default=0.0)
@@ -149,8 +149,8 @@ def _in_numbers(fit: CauseFit | FailedFit) -> CauseFit | FailedFit:
     if isinstance(fit, FailedFit):
         return fit
     numbers = [fit.log_evidence]
-    for each in (*fit.estimates, *fit.given):
-        numbers += [each.value, each.sd, each.low, each.high]
+    for estimate in (*fit.estimates, *fit.given):
+        numbers += [estimate.value, estimate.sd, estimate.low, estimate.high]
     return fit if np.all(np.isfinite(numbers)) else FailedFit(fit.causes, "the data do not determine its parameters")
 
 
@@ -214,8 +214,8 @@ def interval_coverage(scores: Sequence[HeldOutScore]) -> Coverage | None:
         return None
     together = np.concatenate(groups)
     inside, count = _inside(together, 1.0), len(together)
-    found = wilson(inside, count)
-    if found.low <= STATED <= found.high:
+    interval = wilson(inside, count)
+    if interval.low <= STATED <= interval.high:
         return Coverage(inside, count, 1.0, inside)
     others = (np.concatenate([*groups[:index], *groups[index + 1 :]]) for index in range(len(groups)))
     scaled = sum(_inside(group, _factor(rest)) for group, rest in zip(groups, others, strict=True))

@@ -68,8 +68,8 @@ class Prior:
         kept = [(np.flatnonzero(np.isin(places, chosen)), places, covariance) for places, covariance in self.tied]
         where = {int(index): place for place, index in enumerate(chosen)}
         tied = tuple(
-            (np.array([where[int(index)] for index in places[own]], dtype=int), covariance[np.ix_(own, own)])
-            for own, places, covariance in kept
+            (np.array([where[int(index)] for index in places[rows]], dtype=int), covariance[np.ix_(rows, rows)])
+            for rows, places, covariance in kept
         )
         low, high = (None if end is None else end[chosen] for end in (self.low, self.high))
         return Prior(self.centre[chosen], self.sd[chosen], heavy, tied, low, high)
@@ -79,7 +79,7 @@ class Prior:
         more = len(sd)
         heavy = None if self.heavy is None else np.concatenate([np.zeros(more, dtype=bool), self.heavy])
         low, high = (
-            np.concatenate([np.full(more, sign * np.inf), own]) for sign, own in zip((-1, 1), self.bounds, strict=True)
+            np.concatenate([np.full(more, sign * np.inf), end]) for sign, end in zip((-1, 1), self.bounds, strict=True)
         )
         tied = tuple((places + more, covariance) for places, covariance in self.tied)
         return Prior(np.concatenate([centre, self.centre]), np.concatenate([sd, self.sd]), heavy, tied, low, high)
@@ -148,28 +148,28 @@ def likeliest_scales(marginal_of: Callable[[Array], Marginal], prior: Prior) -> 
     `marginal_of` gives, of `Prior.root`, the linear model with its coordinates integrated out; those of `Marginal` are
     counted from the prior's centre.
     """
-    own = np.flatnonzero(prior.heavy) if prior.heavy is not None else np.zeros(0, dtype=int)
-    if not len(own):
+    slabs = np.flatnonzero(prior.heavy) if prior.heavy is not None else np.zeros(0, dtype=int)
+    if not len(slabs):
         return SlabScales(prior.sd, 0.0)
-    scale, sd = np.ones(len(own)), prior.sd.copy()
+    scale, sd = np.ones(len(slabs)), prior.sd.copy()
     for _ in range(SCALE_STEPS):
-        sd[own] = prior.sd[own] * np.sqrt(scale)
-        found = marginal_of(prior.root(sd))
+        sd[slabs] = prior.sd[slabs] * np.sqrt(scale)
+        marginal = marginal_of(prior.root(sd))
         before = scale
-        squared = (np.square(found.mean[own]) + np.diag(found.covariance)[own]) / np.square(prior.sd[own])
+        squared = (np.square(marginal.mean[slabs]) + np.diag(marginal.covariance)[slabs]) / np.square(prior.sd[slabs])
         scale = (DOF + squared) / (DOF + 1.0)
         if np.max(np.abs(np.log(scale / before))) < SCALE_CONVERGED:
             break
     # negative curvature of the log posterior along the ln λ at its mode, shape (h, h)
-    mean = found.mean[own] / sd[own]
-    covariance = found.covariance[np.ix_(own, own)] / np.outer(sd[own], sd[own])
+    mean = marginal.mean[slabs] / sd[slabs]
+    covariance = marginal.covariance[np.ix_(slabs, slabs)] / np.outer(sd[slabs], sd[slabs])
     curvature = np.asarray(
         0.5 * (DOF + 1.0) * np.eye(len(mean)) - 0.5 * (2.0 * np.outer(mean, mean) * covariance + np.square(covariance))
     )
     log_determinant = float(np.log(np.maximum(np.linalg.eigvalsh(curvature), LEAST_CURVATURE)).sum())
     log_prior = 0.5 * DOF * (math.log(0.5 * DOF) - np.log(before) - 1.0 / before) - gammaln(0.5 * DOF)
-    each = 0.5 * LOG_2PI + LAPLACE_ERROR
-    return SlabScales(sd, float(log_prior.sum()) + len(own) * each - 0.5 * log_determinant)
+    constant = 0.5 * LOG_2PI + LAPLACE_ERROR
+    return SlabScales(sd, float(log_prior.sum()) + len(slabs) * constant - 0.5 * log_determinant)
 
 
 @dataclass(frozen=True)
@@ -203,10 +203,10 @@ def integrated(
     root = prior.root(scales.sd)
     logs = log_joint(root)
     noise = int(np.argmax(logs))
-    own = marginal_of(noise, root)
-    inside = inside_range(prior.centre + own.mean, own.covariance, *prior.bounds)
+    marginal = marginal_of(noise, root)
+    inside = inside_range(prior.centre + marginal.mean, marginal.covariance, *prior.bounds)
     evidence = float(logsumexp(logs)) + scales.log_factor + inside.log_mass - prior.log_mass
-    return Integrated(evidence, noise, root, own, inside)
+    return Integrated(evidence, noise, root, marginal, inside)
 
 
 @dataclass(frozen=True)

@@ -104,14 +104,14 @@ K = TypeVar("K", bound=Hashable)
 def probabilities(log_masses: Mapping[K, float]) -> dict[K, float]:
     """Return the probabilities of what has these logarithms of evidence times prior, greatest first."""
     total = float(logsumexp(list(log_masses.values())))
-    found = {key: math.exp(mass - total) for key, mass in log_masses.items()}
-    return dict(sorted(found.items(), key=lambda item: -item[1]))
+    shares = {key: math.exp(mass - total) for key, mass in log_masses.items()}
+    return dict(sorted(shares.items(), key=lambda item: -item[1]))
 
 
-def over_responses(found: Mapping[tuple[Causes, int], float]) -> dict[Causes, float]:
+def over_responses(joint: Mapping[tuple[Causes, int], float]) -> dict[Causes, float]:
     """Return the probability of each set of causes, whatever the response beside it, greatest first."""
     added: dict[Causes, float] = {}
-    for (causes, _), probability in found.items():
+    for (causes, _), probability in joint.items():
         added[causes] = added.get(causes, 0.0) + probability
     return dict(sorted(added.items(), key=lambda item: -item[1]))
 
@@ -122,8 +122,8 @@ def told_together(posterior: Mapping[Causes, float], catalogue: int) -> dict[Cau
     A set is told with one of its parts where the data speak against the causes that it has beyond that: a Bayes factor
     below 1.
     """
-    told: dict[Causes, Causes] = {}
-    found: dict[Causes, float] = {}
+    representative: dict[Causes, Causes] = {}
+    sums: dict[Causes, float] = {}
     for causes in sorted(posterior, key=len):
         smaller = (itertools.combinations(causes, size) for size in range(1, len(causes)))
         parts = [part for part in itertools.chain.from_iterable(smaller) if part in posterior]
@@ -133,18 +133,18 @@ def told_together(posterior: Mapping[Causes, float], catalogue: int) -> dict[Cau
             for part in parts
             if posterior[causes] * math.exp(log_prior(len(part), catalogue)) < posterior[part] * prior
         ]
-        told[causes] = told[max(better, key=posterior.__getitem__)] if better else causes
-        found[told[causes]] = found.get(told[causes], 0.0) + posterior[causes]
-    return dict(sorted(found.items(), key=lambda item: -item[1]))
+        representative[causes] = representative[max(better, key=posterior.__getitem__)] if better else causes
+        sums[representative[causes]] = sums.get(representative[causes], 0.0) + posterior[causes]
+    return dict(sorted(sums.items(), key=lambda item: -item[1]))
 
 
 def inclusion(posterior: Mapping[Causes, float]) -> dict[str, float]:
     """Probability of each effect, over all sets that have it."""
-    found: dict[str, float] = {}
+    sums: dict[str, float] = {}
     for causes, probability in posterior.items():
         for name in causes:
-            found[name] = found.get(name, 0.0) + probability
-    return found
+            sums[name] = sums.get(name, 0.0) + probability
+    return sums
 
 
 def credible_set(posterior: Mapping[Causes, float]) -> list[Causes]:

@@ -178,9 +178,9 @@ class _Sets:
             for part in [p for p in self.fits if set(p) < set(causes) and self._has_a_name(p) == has_a_name]:
                 by_part.setdefault(part, []).append(causes)
         asked = [(self.fits[part], wanted) for part, wanted in by_part.items()]
-        found = parallel_map(partial(_log_gains, self._model), asked, jobs=self._jobs)
+        all_gains = parallel_map(partial(_log_gains, self._model), asked, jobs=self._jobs)
         estimates: dict[Causes, dict[Causes, float]] = {}
-        for (part, wanted), gains in zip(by_part.items(), found, strict=True):
+        for (part, wanted), gains in zip(by_part.items(), all_gains, strict=True):
             for causes, gain in zip(wanted, gains.tolist(), strict=True):
                 estimates.setdefault(causes, {})[part] = self._evidence[part] + gain
         for causes, from_parts in estimates.items():
@@ -215,26 +215,26 @@ class _Sets:
         best = max(map(self._score, self.fits))
         likely = [c for c in sorted(self.fits, key=lambda c: -self._score(c)) if self._score(c) > best - SAMPLED_WITHIN]
         wanted = [self.fits[causes] for causes in likely[:MOST_SAMPLED]]
-        for fit, found in zip(
+        for fit, evidence in zip(
             wanted, parallel_map(partial(_sampled, self._model), wanted, jobs=self._jobs), strict=True
         ):
-            if found.effective >= EFFECTIVE:
-                self._errors[fit.causes] = fit.log_evidence - found.log_evidence
+            if evidence.effective >= EFFECTIVE:
+                self._errors[fit.causes] = fit.log_evidence - evidence.log_evidence
         ranked = sorted(self.fits, key=lambda causes: -self._score(causes))
         self._beside = [c for i, c in enumerate(ranked) if i < BESIDE_RESPONSES or len(c) < 2]
         self._responses = self._model.responses_beside([self.fits[causes] for causes in self._beside])
 
     def log_masses(self) -> dict[tuple[Causes, int], float]:
         """Log evidence times prior of every set, beside each response, numbered from 1, or none."""
-        found = {(causes, 0): self._score(causes) for causes in self._evidence}
+        masses = {(causes, 0): self._score(causes) for causes in self._evidence}
         if self._responses is None or not self._responses.described:
-            return found
+            return masses
         share = math.log(len(self._responses.described) * (2.0 if self._unnamed else 1.0))
         for causes, gains in zip(self._beside, self._responses.log_gains, strict=True):
             if len(causes) < MOST_CAUSES:
-                known = self._score(causes) - (FURTHER if causes else math.log(self._named)) - share
-                found |= {(causes, r): known + g for r, g in enumerate(gains.tolist(), start=1)}
-        return found
+                mass = self._score(causes) - (FURTHER if causes else math.log(self._named)) - share
+                masses |= {(causes, r): mass + g for r, g in enumerate(gains.tolist(), start=1)}
+        return masses
 
     def probabilities(self) -> dict[Causes, float]:
         """Probability of each set, with a response or without, greatest first."""
@@ -266,12 +266,12 @@ class _Sets:
     def _without_a_name(self, joint: Mapping[tuple[Causes, int], float]) -> tuple[Response, ...]:
         """What has no name with its probability: effects and what is smooth, those in the same words together."""
         smooth = self._responses.described if self._responses is not None else ()
-        found = dict.fromkeys([*self._unnamed.values(), *smooth], 0.0)
+        sums = dict.fromkeys([*self._unnamed.values(), *smooth], 0.0)
         for (causes, number), probability in joint.items():
             words = [self._unnamed[name] for name in causes if name in self._unnamed]
-            for each in {*words, *([smooth[number - 1]] if number else [])}:
-                found[each] += probability
-        return tuple(Response(*words, probability) for words, probability in found.items())
+            for description in {*words, *([smooth[number - 1]] if number else [])}:
+                sums[description] += probability
+        return tuple(Response(*words, probability) for words, probability in sums.items())
 
 
 def _log_gains(model: LinearisedModel, asked: Sequence[tuple[CauseFit, Sequence[Causes]]]) -> list[Array]:

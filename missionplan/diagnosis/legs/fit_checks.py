@@ -76,11 +76,11 @@ def not_constant(model: TransitModel, fit: CauseFit) -> Causes:
     if count < 2 * LEGS_OF_HALF:
         return ()
     columns = acting.columns_at(fit)
-    own = {name: leg_by_leg(columns[:, :, acting.by_effect[name]]) for name in physical}
+    by_cause = {name: leg_by_leg(columns[:, :, acting.by_effect[name]]) for name in physical}
     legs = np.arange(count)
     halves = [np.repeat(half, 2).astype(float) for half in (legs >= count // 2, legs // 5 % 2 == 1)]
     return differing_causes(
-        partial(acting.residuals_along, fit), own, [np.stack([1.0 - half, half], axis=1) for half in halves]
+        partial(acting.residuals_along, fit), by_cause, [np.stack([1.0 - half, half], axis=1) for half in halves]
     )
 
 
@@ -101,7 +101,7 @@ def wrong_fixes(model: TransitModel, fit: CauseFit) -> tuple[WrongFix, ...]:
     by an unknown displacement, normal with `OFF` each axis. Legs with others left out between them share no fix: the
     second begins away from where the first ends.
     """
-    data, found = model.data, []
+    data, fixes = model.data, []
     size = np.hypot(*(model.y - np.median(model.y, axis=1, keepdims=True)))
     large = size > IS_LARGE * np.median(size)
     pairs = large[:-1] & large[1:] & (data.run[:-1] == data.run[1:])
@@ -114,8 +114,8 @@ def wrong_fixes(model: TransitModel, fit: CauseFit) -> tuple[WrongFix, ...]:
         odds = np.exp(np.array([*weights, -math.log(ARE_WRONG)]) - max(weights))
         east, north = model.axes @ _displacement(error, covariance, one - other)
         if np.hypot(*(data.start[:, k + 1] - data.end[:, k])) < 0.5 * np.hypot(east, north):  # else it is another fix
-            found.append(WrongFix(str(data.labels[k]), float(east), float(north), float(odds[0] / odds.sum())))
-    return tuple(each for each in found if each.probability >= IS_SURE)
+            fixes.append(WrongFix(str(data.labels[k]), float(east), float(north), float(odds[0] / odds.sum())))
+    return tuple(fix for fix in fixes if fix.probability >= IS_SURE)
 
 
 def _displacement(error: Array, covariance: Array, columns: Array) -> Array:
@@ -156,12 +156,12 @@ def aliases(model: TransitModel, fit: CauseFit) -> tuple[Alias, ...]:
     moved = replace(data, t_start=data.t_start + later, dead_reckoned=turned, end=turned, depth=depth)
     here, back = _Legs.of(model, fit), _Legs.of(replace(model, data=moved, only=model.with_term(None).coordinates), fit)
     trials: list[tuple[str, _Legs]] = []
-    found = []
+    aliases = []
     for claimed in fit.causes:
-        own = model.by_effect.get(claimed)
-        if own is None:
+        places = model.by_effect.get(claimed)
+        if places is None:
             continue
-        size = fit.state.mean[own]
+        size = fit.state.mean[places]
         for other, columns in here.columns.items():
             if other in fit.causes or other not in back.columns:
                 continue
@@ -170,9 +170,9 @@ def aliases(model: TransitModel, fit: CauseFit) -> tuple[Alias, ...]:
             distance = _matters_from(back.model, apart, here.noise)
             if left < UNTOLD and distance < np.inf:
                 trials = trials or [(words, _Legs.of(model.of_longer(d), fit)) for words, d in short_trials(model.data)]
-                told = _cheapest(trials, claimed, other, size) or CATALOGUE[other].distinguished_by
-                found.append(Alias(claimed, other, distance, told))
-    return tuple(sorted(found, key=lambda alias: alias.matters_from))
+                trial = _cheapest(trials, claimed, other, size) or CATALOGUE[other].distinguished_by
+                aliases.append(Alias(claimed, other, distance, trial))
+    return tuple(sorted(aliases, key=lambda alias: alias.matters_from))
 
 
 @dataclass(frozen=True)
@@ -185,15 +185,15 @@ class _Legs:
 
     @classmethod
     def of(cls, model: TransitModel, fit: CauseFit) -> "_Legs":
-        noise = np.sqrt(np.stack([np.diag(each) for each in model.noise(fit.state.values)]))
+        noise = np.sqrt(np.stack([np.diag(covariance) for covariance in model.noise(fit.state.values)]))
         every = model.columns_at(fit)
-        own = {name: every[:, :, places] for name, places in model.by_effect.items()}
-        return cls(model, own | dict(_of_terms(model, model.water(fit.causes, fit.state.mean))), noise)
+        columns = {name: every[:, :, places] for name, places in model.by_effect.items()}
+        return cls(model, columns | dict(_of_terms(model, model.water(fit.causes, fit.state.mean))), noise)
 
 
 def _cheapest(trials: Sequence[tuple[str, _Legs]], claimed: str, other: str, size: Array) -> str:
     """The trial of least time under way after which the legs tell a claimed effect from another, in words, or none."""
-    told = []
+    choices = []
     for words, legs in trials:
         total = legs.model.data.n
         for count in range(1, TRIAL_LEGS + 1):
@@ -201,9 +201,9 @@ def _cheapest(trials: Sequence[tuple[str, _Legs]], claimed: str, other: str, siz
             signal = legs.columns[claimed][:, :until] @ size
             if _likest(signal, legs.columns[other][:, :until], legs.noise[:, :until])[1] >= TOLD:
                 time = float(legs.model.data.t_start[until - 1] + legs.model.data.under_way[until - 1])
-                told.append((time, f"{count} more {'leg' if count == 1 else 'legs'} all round the compass, {words}"))
+                choices.append((time, f"{count} more {'leg' if count == 1 else 'legs'} all round the compass, {words}"))
                 break
-    return min(told)[1] if told else ""
+    return min(choices)[1] if choices else ""
 
 
 def _of_terms(model: TransitModel, water: Array) -> Iterator[tuple[str, Array]]:
@@ -231,7 +231,7 @@ def _matters_from(model: TransitModel, apart: Array, noise: Array) -> float:
     The displacement grows as n, the errors as √n.
     """
     under_way = model.data.under_way
-    each = float(np.sqrt(np.mean(np.sum((apart * under_way) ** 2, axis=0))))
+    displacement = float(np.sqrt(np.mean(np.sum((apart * under_way) ** 2, axis=0))))
     spread = float(np.sqrt(np.mean(np.sum((noise * under_way) ** 2, axis=0))))
     length = float(np.mean(model.leg.speed * under_way))
-    return length * max((2.0 * spread / each) ** 2, 1.0) if each > 1e-3 * spread else np.inf
+    return length * max((2.0 * spread / displacement) ** 2, 1.0) if displacement > 1e-3 * spread else np.inf

@@ -55,9 +55,9 @@ class TransitState:
 
     def estimates(self, effects: Causes) -> tuple[ParameterEstimate, ...]:
         """Estimates of the hyperparameters that are parameters of some effects."""
-        known = self.noise(effects)
-        own = [i for i, coordinate in enumerate(known.coordinates) if coordinate.effect]
-        return estimates([known.coordinates[i] for i in own], known.mean[own], known.covariance[np.ix_(own, own)])
+        noise = self.noise(effects)
+        rows = [i for i, coordinate in enumerate(noise.coordinates) if coordinate.effect]
+        return estimates([noise.coordinates[i] for i in rows], noise.mean[rows], noise.covariance[np.ix_(rows, rows)])
 
     def noise(self, effects: Causes) -> JointPosterior:
         """Joint posterior of σ_v and of the hyperparameters that are parameters of some effects."""
@@ -97,7 +97,7 @@ class TransitFitting(TransitCovariance):
     def given_forms(self) -> Forms:
         """The mission's own oscillations that are modulated."""
         return Forms(
-            modulated=tuple(each.effect for each in self.given_in_covariance if CATALOGUE[each.effect].is_modulated)
+            modulated=tuple(prior.effect for prior in self.given_in_covariance if CATALOGUE[prior.effect].is_modulated)
         )
 
     def fit(self, causes: Causes, near: Sequence[CauseFit] = ()) -> CauseFit:
@@ -131,34 +131,34 @@ class TransitFitting(TransitCovariance):
 
         One of one amplitude and phase may wander, though alone it seems steady, where the mission has none like it.
         """
-        given = {each.effect for each in self.given}
-        found = [(Forms(), 1.0)]
+        mission_effects = {prior.effect for prior in self.given}
+        variants = [(Forms(), 1.0)]
         for name in (name for name in causes if CATALOGUE[name].is_modulated):
-            may_wander = len(self.by_effect[name]) == PAIR and name not in given
+            may_wander = len(self.by_effect[name]) == PAIR and name not in mission_effects
             share = 0.25 if may_wander else 0.5
-            forms = [(forms, 0.5 * weight) for forms, weight in found]
-            forms += [(replace(f, modulated=(*f.modulated, name)), share * weight) for f, weight in found]
+            forms = [(forms, 0.5 * weight) for forms, weight in variants]
+            forms += [(replace(f, modulated=(*f.modulated, name)), share * weight) for f, weight in variants]
             if may_wander:
-                forms += [(replace(f, wandering=(*f.wandering, name)), share * weight) for f, weight in found]
-            found = forms
-        return found
+                forms += [(replace(f, wandering=(*f.wandering, name)), share * weight) for f, weight in variants]
+            variants = forms
+        return variants
 
     def with_term(self, term: ActingTerm | None) -> Self:
         """Return the model with the strengths of a term among its coordinates; those asked for are kept."""
         if term == self.acting:
             return self
-        known = next((model for model in self._with_terms if model.acting == term), None)
-        if known is None:
-            known = replace(self, acting=term)
-            self._with_terms.append(known)
-        return cast(Self, known)
+        model = next((model for model in self._with_terms if model.acting == term), None)
+        if model is None:
+            model = replace(self, acting=term)
+            self._with_terms.append(model)
+        return cast(Self, model)
 
     def from_last(self, term: ActingTerm) -> list[int]:
         """Places of the coordinates where those of its term stand after all others."""
-        own = {coordinate.key for coordinate in term.coordinates}
-        others = iter(range(len(self.coordinates) - len(own)))
-        lasts = iter(range(len(self.coordinates) - len(own), len(self.coordinates)))
-        return [next(lasts if coordinate.key in own else others) for coordinate in self.coordinates]
+        keys = {coordinate.key for coordinate in term.coordinates}
+        others = iter(range(len(self.coordinates) - len(keys)))
+        lasts = iter(range(len(self.coordinates) - len(keys), len(self.coordinates)))
+        return [next(lasts if coordinate.key in keys else others) for coordinate in self.coordinates]
 
     def settled(self, causes: Causes, state: TransitState) -> TransitState:
         """Return a state with a term linearised anew about its mean, at its noise, until it settles."""
@@ -182,16 +182,18 @@ class TransitFitting(TransitCovariance):
     def _fitted(
         self, causes: Causes, forms: Forms, near: Sequence[TransitState], rows: LegSelection, *, integrate: bool
     ) -> TransitState:
-        known = (each.effect for each in held(self.given_in_covariance, causes) if CATALOGUE[each.effect].is_modulated)
-        forms = replace(forms, modulated=tuple(dict.fromkeys((*forms.modulated, *known))))
+        mission_effects = (
+            prior.effect for prior in held(self.given_in_covariance, causes) if CATALOGUE[prior.effect].is_modulated
+        )
+        forms = replace(forms, modulated=tuple(dict.fromkeys((*forms.modulated, *mission_effects))))
         hyperparameters = self.hyperparameters(causes, forms)
         starts, covariance = _starts(hyperparameters, near)
         slabs = np.array([coordinate.slab for coordinate in self.coordinates])
         nonlinear = bool(forms.modulated) or any(not CATALOGUE[name].linear for name in causes)
         about = self.expected.copy()
         for other in reversed(near) if nonlinear else ():  # where fits have the causes under slabs
-            own = [i for name in causes for i in other.linear.slabs.get(name, ())]
-            about[own] = other.mean[own]
+            indices = [i for name in causes for i in other.linear.slabs.get(name, ())]
+            about[indices] = other.mean[indices]
         prior = HyperparameterPrior.of(hyperparameters, self.given_in_covariance)
         for iteration in range(MAX_LINEARISATIONS):
             linear = self.linearised(causes, about, forms)
@@ -212,11 +214,11 @@ class TransitFitting(TransitCovariance):
     def fit_of(self, causes: Causes, state: TransitState, evidence: float) -> CauseFit:
         """Return the fit of a set with a state."""
         chosen = [i for i, coordinate in enumerate(self.coordinates) if coordinate.effect in causes]
-        own, covariance = [self.coordinates[i] for i in chosen], self._spread(causes, state)
-        found = estimates(own, state.mean[chosen], covariance[np.ix_(chosen, chosen)])
-        found += state.estimates(causes)
-        wandering = self._relative_sizes(state, found)
-        found += estimates(wandering.coordinates, wandering.mean, wandering.covariance)
+        coordinates, covariance = [self.coordinates[i] for i in chosen], self._spread(causes, state)
+        parameters = estimates(coordinates, state.mean[chosen], covariance[np.ix_(chosen, chosen)])
+        parameters += state.estimates(causes)
+        wandering = self._relative_sizes(state, parameters)
+        parameters += estimates(wandering.coordinates, wandering.mean, wandering.covariance)
         calibration = {
             f"{h.name}_{'m' if h.name == 'fix_sd' else 'm_s'}": math.exp(value)
             for h, value in zip(state.hyperparameters, state.posterior.mode, strict=True)
@@ -227,13 +229,13 @@ class TransitFitting(TransitCovariance):
         together = RecordPosterior(self.coordinates, state.mean, covariance).afterwards(
             tied(held(self.given_in_mean, causes)), chosen
         )
-        random = (*causes, *(each.effect for each in held(self.given_in_covariance, causes)))
+        random = (*causes, *(prior.effect for prior in held(self.given_in_covariance, causes)))
         together = together.joined(state.noise(random)).joined(wandering)
         # what is known of the mission's own effects after this record, those that changed left out
-        given = RecordPosterior(self.coordinates, state.mean, covariance).known(tied(held(self.given_in_mean, causes)))
-        for each in held(self.given_in_covariance, causes):
-            given += state.estimates((each.effect,))
-        return CauseFit(causes, evidence, found, calibration, is_possible(found), state, given, together)
+        after = RecordPosterior(self.coordinates, state.mean, covariance).known(tied(held(self.given_in_mean, causes)))
+        for prior in held(self.given_in_covariance, causes):
+            after += state.estimates((prior.effect,))
+        return CauseFit(causes, evidence, parameters, calibration, is_possible(parameters), state, after, together)
 
     def _spread(self, causes: Causes, state: TransitState) -> Array:
         """Covariance of the coordinates as far as the next record is concerned, shape (k, k).
@@ -247,16 +249,16 @@ class TransitFitting(TransitCovariance):
             if modulation.wanders_over is not None:
                 continue
             of_mean = variance_of_mean(self.data.middle, *(state.values[key] for key in modulation.keys))
-            own = self.by_effect[modulation.effect]
-            squared = state.mean[own[::2]] ** 2 + state.mean[own[1::2]] ** 2
-            variance[own] = of_mean * np.repeat(squared, 2)
+            indices = self.by_effect[modulation.effect]
+            squared = state.mean[indices[::2]] ** 2 + state.mean[indices[1::2]] ** 2
+            variance[indices] = of_mean * np.repeat(squared, 2)
         return np.asarray(state.covariance + np.diag(variance) + np.diag(np.square(spikes)))
 
-    def _relative_sizes(self, state: TransitState, found: Sequence[ParameterEstimate]) -> JointPosterior:
+    def _relative_sizes(self, state: TransitState, parameters: Sequence[ParameterEstimate]) -> JointPosterior:
         """Sizes of oscillations that wander over their mean amplitudes in the record, as the effect has them."""
         shapes, logs, variances = [], [], []
         for name in state.forms.wandering:
-            mean = next(each for each in found if each.effect == name)
+            mean = next(parameter for parameter in parameters if parameter.effect == name)
             place = [h.key for h in state.hyperparameters].index((name, SLAB_SCALE))
             size = state.values[name, SLAB_SCALE] * self.coordinates[self.by_effect[name][0]].slab
             sd = math.hypot(math.sqrt(state.posterior.covariance[place, place]), mean.sd / max(mean.value, 1e-9))
@@ -282,16 +284,16 @@ def _starts(hyperparameters: tuple[Hyperparameter, ...], near: Sequence[TransitS
     From the fits given where there are any, else the priors' centres; a new size or time of a cause also starts one
     prior standard deviation lower and higher.
     """
-    known: dict[tuple[str, str], tuple[float, float]] = {}
+    marginals: dict[tuple[str, str], tuple[float, float]] = {}
     for state in near:
         modes, variances = state.posterior.mode, np.diag(state.posterior.covariance)
         for hyperparameter, mode, variance in zip(state.hyperparameters, modes, variances, strict=True):
-            known.setdefault(hyperparameter.key, (float(mode), float(variance)))
-    guesses = [known.get(h.key, (h.centre, min(0.1, h.spread**2))) for h in hyperparameters]
+            marginals.setdefault(hyperparameter.key, (float(mode), float(variance)))
+    guesses = [marginals.get(h.key, (h.centre, min(0.1, h.spread**2))) for h in hyperparameters]
     first = np.array([guess[0] for guess in guesses])
     starts = [first]
     for index, hyperparameter in enumerate(hyperparameters):
-        if hyperparameter.law in ("student", "reciprocal") and hyperparameter.key not in known:
+        if hyperparameter.law in ("student", "reciprocal") and hyperparameter.key not in marginals:
             for shift in (-1.0, 1.0):
                 moved = first.copy()
                 moved[index] += shift * hyperparameter.spread

@@ -72,13 +72,13 @@ def transit_model(data: TransitData, mission: Mission, seed: int) -> TransitMode
     base = base + np.array([[mean_of(part)] for part in error.mean])
     spread = np.hypot(spread, [np.std(side) for side in drawn.velocity_error.mean])
     fix_error = float(np.sqrt(max(mean_of(navigation.fix_error) ** 2, 0.0)))
-    given = given_priors(mission, effects_of("transit"))
-    check_together(given, mission, "transit")
+    priors = given_priors(mission, effects_of("transit"))
+    check_together(priors, mission, "transit")
     current_sd = (float(spread[0]), float(spread[1]))
     phase = means.transit()
     planned = float(np.mean(phase.speed)), float(np.mean(phase.depth))
     model = TransitModel(
-        data, base, error.covariance, fix_error, current_sd, given, site_current=current, planned=planned
+        data, base, error.covariance, fix_error, current_sd, priors, site_current=current, planned=planned
     )
     effects = [effect for effect in given_effects(mission) if isinstance(effect, TransitEffect)]
     return with_fix_share(replace(model, base=model.base + model.velocity_error(effects)))
@@ -130,7 +130,7 @@ def _expected_velocity(data: TransitData, means: Scenario, drawn: Scenario) -> t
     expected = velocity + drift * data.surface / data.under_way
     place = np.repeat(data.start[:, :1], DRAWS, axis=1)
     draws = drawn.current.velocity(float(data.t_start[0]), depth, place)
-    under_way, whole = (np.broadcast_to(each, (2, data.n)).copy() for each in (velocity, expected))
+    under_way, whole = (np.broadcast_to(current, (2, data.n)).copy() for current in (velocity, expected))
     return under_way, whole, np.broadcast_to(draws, (2, DRAWS)).std(axis=1)
 
 
@@ -154,8 +154,8 @@ def extended_transit_mission(raw: Mapping[str, object], best: CauseFit, data: Tr
     `raw` has includes in place.
     """
     mission = with_noise(raw, best.calibration)
-    given = mission.get("site")
-    site = dict(given) if isinstance(given, dict) else {}
+    section = mission.get("site")
+    site = dict(section) if isinstance(section, dict) else {}
     if data.origin is not None and "origin" not in site:
         latitude, longitude = (math.degrees(angle) for angle in data.origin)
         mission["site"] = {**site, "origin": {"latitude": f"{latitude:.7f} deg", "longitude": f"{longitude:.7f} deg"}}
@@ -241,8 +241,8 @@ class TransitKind(DataKind):
                 "y_start_m": data.start[1],
                 "heading_deg": np.degrees(np.arctan2(*model.leg.along)) % 360.0,
                 **{
-                    f"{n}_{way}_m_s": each[k]
-                    for n, each in velocities.items()
+                    f"{n}_{way}_m_s": velocity[k]
+                    for n, velocity in velocities.items()
                     for k, way in enumerate(("east", "north"))
                 },
             }
@@ -272,7 +272,7 @@ class TransitKind(DataKind):
         weight = self.data.weight
         before = max(float(np.sum((self.model.y * weight) ** 2)), 1e-30)
         left = (np.sum((self.model.one_step_errors(fit) * weight) ** 2) for fit in fits)
-        return [float(np.clip(1.0 - each / before, 0.0, 1.0)) for each in left]
+        return [float(np.clip(1.0 - remainder / before, 0.0, 1.0)) for remainder in left]
 
     def extended_mission(self, best: CauseFit) -> dict[str, object]:
         """Return the mission's data with the noise as fitted, and the place and time to which phases refer."""
@@ -302,18 +302,18 @@ class TransitKind(DataKind):
         if doubt is None:
             return ()
         model = self.model.with_term(best.state.term)
-        columns, found = model.columns_at(best), []
+        columns, causes = model.columns_at(best), []
         speed = float(np.sqrt(np.mean(np.square(model.leg.speed))))
         for cause in best.causes:
-            own = model.by_effect.get(cause)
-            if own is None or CATALOGUE[cause].belongs_to != "vehicle":
+            indices = model.by_effect.get(cause)
+            if indices is None or CATALOGUE[cause].belongs_to != "vehicle":
                 continue
-            error = model.axes @ (columns[:, :, own] @ best.state.mean[own])
+            error = model.axes @ (columns[:, :, indices] @ best.state.mean[indices])
             sizes = np.sum(error * model.leg.along, axis=0), np.hypot(*error)
-            along, whole = (float(np.sqrt(np.mean(np.square(each)))) for each in sizes)
+            along, whole = (float(np.sqrt(np.mean(np.square(size)))) for size in sizes)
             if _MOSTLY * whole < along <= 2.0 * doubt * speed:
-                found.append(cause)
-        return tuple(found)
+                causes.append(cause)
+        return tuple(causes)
 
     def aliases(self, best: CauseFit) -> tuple[Alias, ...]:
         """Return effects that do to these legs what a claimed cause does, but not on the way back."""

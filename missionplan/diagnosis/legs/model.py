@@ -59,29 +59,29 @@ def infer(inference: LegInference) -> LegPosterior:
     best = plain.likeliest(inference.refine(plain.errors, levels, plain.scores(levels)), plain.at(full))
     searches: dict[Causes, ComparedSets] = {(): plain.compared(first, best)}
     top = searches[()].top
-    known = plain.at(plain.likeliest(top, plain.at(best)))
+    noise = plain.at(plain.likeliest(top, plain.at(best)))
     for laws in laws_of(inference.random):
-        highest = max(each.best for each in searches.values())
+        highest = max(comparison.best for comparison in searches.values())
         for law in laws:
             if len(law) > 1 and all(searches[name,].best <= highest - WORTH_PAIRING for name in law):
                 continue
             search = NoiseSearch(inference, law, top)
-            searches[law] = search.compared(search.likeliest(nothing, plain.at(first)), search.likeliest(top, known))
-    highest = max(each.best for each in searches.values())
-    whole = float(logsumexp([logsumexp(each.scores) for each in searches.values()]))
+            searches[law] = search.compared(search.likeliest(nothing, plain.at(first)), search.likeliest(top, noise))
+    highest = max(comparison.best for comparison in searches.values())
+    whole = float(logsumexp([logsumexp(comparison.scores) for comparison in searches.values()]))
     integrated, left = [], np.zeros(1 + len(inference.terms))
-    for each in searches.values():
+    for comparison in searches.values():
         # which sets are integrated, without a term and with which: the likely ones, and parts without their term
-        least = np.full(each.scores.shape[1], highest - KEPT_WITH_TERM)
+        least = np.full(comparison.scores.shape[1], highest - KEPT_WITH_TERM)
         least[0] = highest - KEPT
-        chosen = each.scores > least
+        chosen = comparison.scores > least
         chosen[:, 0] |= chosen.any(axis=1)
-        if not each.search.effects:
+        if not comparison.search.effects:
             chosen[inference.sets.index(MeanSet(())), 0] = True
         chosen = np.asarray(chosen)
-        left += np.sum(np.where(chosen, 0.0, np.exp(each.scores - whole)), axis=0)
+        left += np.sum(np.where(chosen, 0.0, np.exp(comparison.scores - whole)), axis=0)
         if chosen.any():
-            integrated.append(each.integrated(chosen))
+            integrated.append(comparison.integrated(chosen))
     return LegPosterior(inference, tuple(integrated), left)
 
 
@@ -97,10 +97,10 @@ def beside_terms(posterior: LegPosterior) -> LegPosterior:
         return posterior
     causes, number = max(named, key=lambda key: named[key])
     effect, law = inference.terms[number - 1].effect, tuple(name for name in causes if name in inference.random)
-    known = {one for one, term in named if term == number}
-    in_mean = {tuple(name for name in one if name not in inference.random) for one in known}
+    sets = {one for one, term in named if term == number}
+    in_mean = {tuple(name for name in one if name not in inference.random) for one in sets}
     beside = inference.beside(number, sorted({(), *in_mean}))
-    top, found = MeanSet(tuple(name for name in causes if name not in law)), dict(posterior.beside_terms)
+    top, log_masses = MeanSet(tuple(name for name in causes if name not in law)), dict(posterior.beside_terms)
     for random in dict.fromkeys([(), law]):
         search = NoiseSearch(beside, random, top)
         noise = search.likeliest(top)
@@ -109,11 +109,11 @@ def beside_terms(posterior: LegPosterior) -> LegPosterior:
         chosen[:, 0] = chosen[:, 1:].any(axis=1)
         for (one, term), mass in compared.integrated(chosen).masses().items() if chosen.any() else ():
             regular = posterior.in_order((*one.causes, *random))
-            if term and regular in known:
+            if term and regular in sets:
                 words = beside.terms[term - 1].axis, beside.terms[term - 1].description
-                own = posterior.in_order((*regular, effect)), words
-                found[own] = float(np.logaddexp(found.get(own, -np.inf), mass))
-    return replace(posterior, beside_terms=found)
+                key = posterior.in_order((*regular, effect)), words
+                log_masses[key] = float(np.logaddexp(log_masses.get(key, -np.inf), mass))
+    return replace(posterior, beside_terms=log_masses)
 
 
 def with_forms(posterior: LegPosterior) -> LegPosterior:
@@ -139,14 +139,14 @@ def with_forms(posterior: LegPosterior) -> LegPosterior:
 def _modulated_sets(posterior: LegPosterior) -> list[Causes]:
     """Sets with an oscillation that need not be steady, beside nothing and the likeliest sets."""
     model = posterior.inference.model
-    given = {each.effect for each in model.given}
-    names = [name for name in model.candidates if CATALOGUE[name].is_modulated and name not in given]
+    mission_effects = {prior.effect for prior in model.given}
+    names = [name for name in model.candidates if CATALOGUE[name].is_modulated and name not in mission_effects]
     if not names or float(np.ptp(model.data.middle)) < SHORTEST:
         return []
     likely = [causes for causes in posterior.named if set(causes) <= set(model.candidates)][:BESIDE]
     order = {name: index for index, name in enumerate(model.candidates)}
-    found = {tuple(sorted({*causes, name}, key=order.__getitem__)) for causes in [(), *likely] for name in names}
-    return sorted(found)
+    sets = {tuple(sorted({*causes, name}, key=order.__getitem__)) for causes in [(), *likely] for name in names}
+    return sorted(sets)
 
 
 ALTERNATIVES = exclusive_groups("transit")
@@ -164,13 +164,13 @@ class TransitModel(TransitFitting):
 
     def fit_all(self, wanted: Sequence[FitRequest]) -> list[CauseFit | FailedFit]:
         """Fit several sets of causes; one that cannot be fitted says why."""
-        found: list[CauseFit | FailedFit] = []
+        fits: list[CauseFit | FailedFit] = []
         for causes, near in wanted:
             try:
-                found.append(self.fit(causes, near))
+                fits.append(self.fit(causes, near))
             except np.linalg.LinAlgError as error:
-                found.append(FailedFit(causes, str(error)))
-        return found
+                fits.append(FailedFit(causes, str(error)))
+        return fits
 
     def all_sets(self, progress: Progress = no_progress, jobs: int = 1) -> Selection:
         """Return all sets of causes with their probabilities."""
@@ -208,10 +208,10 @@ class TransitModel(TransitFitting):
         """
         linear, noise = fit.state.linear, self.noise_components(fit.state.values)
         rows = np.union1d(seen, wanted)
-        legs, own = self.markov_covariance(rows), np.searchsorted(rows, wanted)
-        ones = np.zeros((2, len(rows), 2 * len(own)))
+        legs, places = self.markov_covariance(rows), np.searchsorted(rows, wanted)
+        ones = np.zeros((2, len(rows), 2 * len(places)))
         for axis in (0, 1):
-            ones[axis, own, 2 * np.arange(len(own)) + axis] = 1.0
+            ones[axis, places, 2 * np.arange(len(places)) + axis] = 1.0
         columns = linear.columns[:, rows] * linear.prior_sd(fit.state.values)
         joined = np.concatenate([columns, ones, linear.y[:, rows, None]], axis=2)
         gram, _ = legs.gram(joined, noise.independent(legs.under_way), noise.fix_sd, noise.process)
@@ -270,8 +270,8 @@ class TransitModel(TransitFitting):
         """
         model = self if entry is None else self.of_longer(with_further_legs(self.data, designs_for(self.data)[entry]))
         acting = model.with_term(first.state.term)
-        own = np.array([coordinate.effect in first.causes for coordinate in acting.coordinates])
-        signal = acting.columns_at(first) @ np.where(own, first.state.mean - acting.expected, 0.0)
+        mask = np.array([coordinate.effect in first.causes for coordinate in acting.coordinates])
+        signal = acting.columns_at(first) @ np.where(mask, first.state.mean - acting.expected, 0.0)
         truth = model.error_covariance(first, model.linearised(()))
         entropies = []
         for fit in (first, second):

@@ -66,10 +66,10 @@ class Law:
 
     def masses(self) -> dict[tuple[MeanSet, int], float]:
         """Log evidence times prior of each set that was integrated, without a term (0) and with the number of each."""
-        found: dict[tuple[MeanSet, int], float] = {}
+        masses: dict[tuple[MeanSet, int], float] = {}
         for one, logs in zip(self.sets, logsumexp(self.log_weights, axis=(1, 2)), strict=True):
-            found |= {(one, term): float(mass) for term, mass in zip((0, *self.terms), logs, strict=True)}
-        return {key: mass for key, mass in found.items() if mass > -np.inf}
+            masses |= {(one, term): float(mass) for term, mass in zip((0, *self.terms), logs, strict=True)}
+        return {key: mass for key, mass in masses.items() if mass > -np.inf}
 
     def noise(self) -> Laplace:
         """Mean and covariance of the noise's posterior as drawn."""
@@ -108,9 +108,9 @@ class NoiseSearch:
         spread = np.diag([min(0.1, h.spread**2) for h in self.hyperparameters])
         return laplace(log_posterior, starts, spread, integrate=integrate, keep_inside=True)
 
-    def at(self, found: Laplace) -> Noise:
+    def at(self, posterior: Laplace) -> Noise:
         """The noise at a mode, by name."""
-        return {h.key: float(value) for h, value in zip(self.hyperparameters, found.mode, strict=True)}
+        return {h.key: float(value) for h, value in zip(self.hyperparameters, posterior.mode, strict=True)}
 
     def levels(self, plain: Laplace, rich: Laplace) -> list[Array]:
         """Noises at which sets are compared: between two likeliest ones, and of σ_v alone quieter ones.
@@ -167,9 +167,9 @@ class NoiseSearch:
 
         possible = [index for index, logs in enumerate(at) if math.isfinite(self.prior.log_density(logs))]
         inference.joint(groups, tuple(terms))
-        found = inference.at_once(of, at[possible])
-        kept = [index for index, each in zip(possible, found, strict=True) if each is not None]
-        return kept, {group: [each[group] for each in found if each is not None] for group in groups}
+        grams = inference.at_once(of, at[possible])
+        kept = [index for index, by_group in zip(possible, grams, strict=True) if by_group is not None]
+        return kept, {group: [by_group[group] for by_group in grams if by_group is not None] for group in groups}
 
     def _log_weights(
         self,
@@ -182,8 +182,8 @@ class NoiseSearch:
         inference = self.inference
         logs = np.empty((len(sets), len(base), len(SCALES), 1 + len(terms)))
         for group, members in grouped(sets, inference.group).items():
-            found = inference.with_terms(grams[group], [sets[i] for i in members], terms, range(len(SCALES)))
-            logs[members] = found.swapaxes(0, 1) + base[:, None, None] + np.log(SCALE_PRIOR)[:, None]
+            densities = inference.with_terms(grams[group], [sets[i] for i in members], terms, range(len(SCALES)))
+            logs[members] = densities.swapaxes(0, 1) + base[:, None, None] + np.log(SCALE_PRIOR)[:, None]
         return logs
 
 
@@ -233,7 +233,7 @@ class ComparedSets:
 
 def _drawn(anchors: Sequence[Laplace], count: int) -> tuple[Array, Array]:
     """Points of a mixture of Student-t laws about modes, shape (j, h), and its log density there."""
-    parts = [_proposal(found) for found in anchors]
+    parts = [_proposal(anchor) for anchor in anchors]
     size = len(anchors[0].mode)
     even = even_points(count, size + 1)
     scale = 2.0 * gammaincinv(0.5 * TAILS, even[:, -1]) / TAILS
@@ -242,7 +242,7 @@ def _drawn(anchors: Sequence[Laplace], count: int) -> tuple[Array, Array]:
     return at, np.asarray(logsumexp(logs, axis=0) - math.log(len(parts)))
 
 
-def _proposal(found: Laplace) -> tuple[Array, Array]:
-    values, vectors = np.linalg.eigh(found.covariance)
+def _proposal(anchor: Laplace) -> tuple[Array, Array]:
+    values, vectors = np.linalg.eigh(anchor.covariance)
     sd = np.clip(WIDENED * np.sqrt(np.maximum(values, 1e-8)), 1e-3, WIDEST)
-    return found.mode, np.asarray(np.linalg.cholesky((vectors * sd**2) @ vectors.T))
+    return anchor.mode, np.asarray(np.linalg.cholesky((vectors * sd**2) @ vectors.T))

@@ -53,12 +53,12 @@ class LegPosterior:
         """Log evidence times prior of each set of causes of the mean and the noise with each term, or with none."""
         if self.masses is not None:
             return self.masses
-        found: dict[tuple[Causes, int], float] = {}
+        masses: dict[tuple[Causes, int], float] = {}
         for law in self.laws:
-            found |= {
+            masses |= {
                 (self.in_order((*one.causes, *law.effects)), term): mass for (one, term), mass in law.masses().items()
             }
-        return found
+        return masses
 
     def in_order(self, names: Iterable[str]) -> Causes:
         """A set of causes of some names."""
@@ -71,13 +71,13 @@ class LegPosterior:
     @cached_property
     def _by_causes(self) -> dict[Causes, list[tuple[Causes, int]]]:
         """Of each set of causes, what of `log_masses` belongs to it, greatest first."""
-        found: dict[Causes, list[tuple[Causes, int]]] = {}
+        by_causes: dict[Causes, list[tuple[Causes, int]]] = {}
         for key in sorted(self.log_masses, key=lambda key: -self.log_masses[key]):
             # a set with the effect of its term, if that is one of an effect
             causes, term = key
             effect = self.inference.terms[term - 1].effect if term else ""
-            found.setdefault(self.in_order((*causes, effect)) if effect else causes, []).append(key)
-        return found
+            by_causes.setdefault(self.in_order((*causes, effect)) if effect else causes, []).append(key)
+        return by_causes
 
     @cached_property
     def _total(self) -> float:
@@ -86,13 +86,13 @@ class LegPosterior:
     @cached_property
     def probabilities(self) -> dict[Causes, float]:
         """Probability of each set of causes, with a smooth error or without; greatest first."""
-        found = {
+        probabilities = {
             causes: sum(math.exp(self.log_masses[key] - self._total) for key in keys)
             for causes, keys in self._by_causes.items()
         }
         for (causes, _), mass in self.beside_terms.items():
-            found[causes] = found.get(causes, 0.0) + math.exp(mass - self._total)
-        return dict(sorted(found.items(), key=lambda item: -item[1]))
+            probabilities[causes] = probabilities.get(causes, 0.0) + math.exp(mass - self._total)
+        return dict(sorted(probabilities.items(), key=lambda item: -item[1]))
 
     @property
     def named(self) -> dict[Causes, float]:
@@ -105,14 +105,14 @@ class LegPosterior:
         by_term = self.left.copy()
         for (_, number), mass in self.log_masses.items():
             by_term[number] += math.exp(mass - self._total)
-        found: dict[tuple[str, str], float] = {}
+        probabilities: dict[tuple[str, str], float] = {}
         for term, probability in zip(self.inference.terms, by_term[1:].tolist(), strict=True):
             if term.is_neutral:
                 key = term.axis, term.description
-                found[key] = found.get(key, 0.0) + probability
+                probabilities[key] = probabilities.get(key, 0.0) + probability
         for (_, key), mass in self.beside_terms.items():
-            found[key] = found.get(key, 0.0) + math.exp(mass - self._total)
-        return tuple(Response(*key, p) for key, p in sorted(found.items(), key=lambda item: -item[1]))
+            probabilities[key] = probabilities.get(key, 0.0) + math.exp(mass - self._total)
+        return tuple(Response(*key, p) for key, p in sorted(probabilities.items(), key=lambda item: -item[1]))
 
     @property
     def not_computed(self) -> float:
@@ -147,18 +147,18 @@ class LegPosterior:
         hyperparameters = model.hyperparameters(causes, model.given_forms)
         noise = law.noise_of(over_noise)
         place = {h.key: index for index, h in enumerate(law.hyperparameters)}
-        own = [place.get(h.key) for h in hyperparameters]
+        places = [place.get(h.key) for h in hyperparameters]
         scale = float(over_scales @ np.log(SCALES))
-        mode = np.array([scale if at is None else noise.mode[at] for at in own])
-        spread = np.diag([0.25 if at is None else 0.0 for at in own])
-        known = [(row, at) for row, at in enumerate(own) if at is not None]
-        for row, i in known:
-            for column, j in known:
+        mode = np.array([scale if at is None else noise.mode[at] for at in places])
+        spread = np.diag([0.25 if at is None else 0.0 for at in places])
+        pairs = [(row, at) for row, at in enumerate(places) if at is not None]
+        for row, i in pairs:
+            for column, j in pairs:
                 spread[row, column] = noise.covariance[i, j]
         about = mean if one.term else self.inference.linear(self.inference.group(one)).about
         linear = model.linearised(causes, about, model.given_forms)
-        found = Laplace(self.evidence(causes), mode, spread)
-        state = TransitState(model.given_forms, hyperparameters, found, mean, covariance, linear, term)
+        posterior = Laplace(self.evidence(causes), mode, spread)
+        state = TransitState(model.given_forms, hyperparameters, posterior, mean, covariance, linear, term)
         return model.settled(causes, state) if one.term else state
 
     def _part(self, causes: Causes) -> tuple[Law, Array]:
@@ -198,38 +198,38 @@ class LegPosterior:
 
     def fit(self, causes: Causes) -> CauseFit:
         """Return a set as fitted: its state, with sizes and times of random effects by their quantiles."""
-        known = self.forms.get(causes)
-        state = self.state(causes) if known is None else known
+        unsteady_state = self.forms.get(causes)
+        state = self.state(causes) if unsteady_state is None else unsteady_state
         fit = self.inference.model.with_term(state.term).fit_of(causes, state, self.evidence(causes))
-        if known is not None:
+        if unsteady_state is not None:
             return fit
         law, shares = self._part(causes)
         over_noise = shares.sum(axis=1)
-        found = {h.key: np.exp(_quantiles(law.at[:, i], over_noise)) for i, h in enumerate(law.hyperparameters)}
-        own, given = (
-            tuple(by_quantiles(each, found.get((each.effect, each.name))) for each in several)
+        quantiles = {h.key: np.exp(_quantiles(law.at[:, i], over_noise)) for i, h in enumerate(law.hyperparameters)}
+        parameters, after = (
+            tuple(by_quantiles(estimate, quantiles.get((estimate.effect, estimate.name))) for estimate in several)
             for several in (fit.estimates, fit.given)
         )
         shape = self._shape(causes, state.term)
         found_of_shape = estimates(shape.coordinates, shape.mean, shape.covariance)
-        return replace(fit, estimates=own + found_of_shape, given=given, posterior=fit.posterior.joined(shape))
+        return replace(fit, estimates=parameters + found_of_shape, given=after, posterior=fit.posterior.joined(shape))
 
     def _shape(self, causes: Causes, term: ActingTerm | None) -> JointPosterior:
         """The shapes of a set's term, by the probabilities of the values tried, between which any is as likely."""
         if term is None or not term.shapes:
             return JointPosterior((), np.zeros(0), np.zeros((0, 0)))
-        strengths = [each.name for each in term.coordinates]
+        strengths = [coordinate.name for coordinate in term.coordinates]
         alike = [
-            ([float(np.asarray(own.shapes[name])) for name in term.shapes], self.log_masses[key])
+            ([float(np.asarray(acting.shapes[name])) for name in term.shapes], self.log_masses[key])
             for key in self._by_causes[causes]
-            if key[1] and (own := self.inference.terms[key[1] - 1].acting) is not None
-            if [each.name for each in own.coordinates] == strengths
+            if key[1] and (acting := self.inference.terms[key[1] - 1].acting) is not None
+            if [coordinate.name for coordinate in acting.coordinates] == strengths
         ]
-        values, logs = np.array([each for each, _ in alike]), np.array([log for _, log in alike])
+        values, logs = np.array([shape for shape, _ in alike]), np.array([log for _, log in alike])
         shares = np.exp(logs - logsumexp(logs))
         mean = shares @ values
         between = [CATALOGUE[term.effect].parameters[name].searched != "course" for name in term.shapes]
-        apart = between * np.array([np.diff(np.unique(each)).min(initial=np.ptp(each)) for each in values.T])
+        apart = between * np.array([np.diff(np.unique(column)).min(initial=np.ptp(column)) for column in values.T])
         variance = shares @ (values - mean) ** 2 + np.square(apart) / 12.0
         shapes = tuple(
             Coordinate(term.effect, name, "shape", math.log(value), 1.0, 0.0)
@@ -274,19 +274,21 @@ class LegPosterior:
 
         It is that for which the evidence speaks, too: a fit whose columns change with the size may settle elsewhere.
         """
-        found: dict[int, bool] = {}
+        verdicts: dict[int, bool] = {}
         for fit in fits:
             one, _ = self._parts(fit.causes)
             term = self.inference.terms[one.term - 1].acting if one.term else None
-            if term is None or one.term in found or CATALOGUE[term.effect].tier == "neutral":
+            if term is None or one.term in verdicts or CATALOGUE[term.effect].tier == "neutral":
                 continue
             law, shares = self._part(fit.causes)
             mean, covariance = self._moments(law, one, shares)
             coordinates = self.inference.model.with_term(term).coordinates
-            own = [index for index, each in enumerate(coordinates) if each in term.coordinates]
-            weighed = estimates([coordinates[i] for i in own], mean[own], covariance[np.ix_(own, own)])
-            found[one.term] = is_possible([*weighed, *(each for each in fit.estimates if each.effect == term.effect)])
-        return {number for number, possible in found.items() if not possible}
+            indices = [index for index, coordinate in enumerate(coordinates) if coordinate in term.coordinates]
+            weighed = estimates([coordinates[i] for i in indices], mean[indices], covariance[np.ix_(indices, indices)])
+            verdicts[one.term] = is_possible(
+                [*weighed, *(estimate for estimate in fit.estimates if estimate.effect == term.effect)]
+            )
+        return {number for number, possible in verdicts.items() if not possible}
 
     def _without_names(self, numbers: set[int]) -> "LegPosterior":
         """Return the posterior in which some terms are neutral: their size is none of their effect's."""
@@ -304,12 +306,12 @@ class LegPosterior:
 
     def _families(self, posterior: Mapping[Causes, float]) -> tuple[tuple[Causes, ...], ...]:
         """Sets that differ in a steady or an oscillating current, where the record does not show whether it turns."""
-        found: dict[frozenset[str], list[Causes]] = {}
+        by_rest: dict[frozenset[str], list[Causes]] = {}
         for causes in posterior:
             for name in set(causes) & self.inference.uniform_currents:
-                found.setdefault(frozenset(causes) - {name}, []).append(causes)
+                by_rest.setdefault(frozenset(causes) - {name}, []).append(causes)
         families = []
-        for rest, members in found.items():
+        for rest, members in by_rest.items():
             steady = [c for c in members if any(CATALOGUE[n].is_steady_current for n in set(c) - rest)]
             if steady:
                 alike = [c for c in members if abs(self._score(c) - self._score(steady[0])) < FURTHER]

@@ -82,10 +82,10 @@ class LegInference:
 
     def beside(self, number: int, sets: Sequence[Causes]) -> "LegInference":
         """Return the inference of some sets that have the term of a number, with the neutral terms beside it."""
-        found = LegInference(self.model, [each for each in self.terms if each.is_neutral], self._jobs)
-        found.always, found.sets, found._water = self.terms[number - 1], tuple(map(MeanSet, sets)), self._water
-        found._groups = {group: found._linearised(group, one.about) for group, one in self._groups.items()}
-        return found
+        result = LegInference(self.model, [term for term in self.terms if term.is_neutral], self._jobs)
+        result.always, result.sets, result._water = self.terms[number - 1], tuple(map(MeanSet, sets)), self._water
+        result._groups = {group: result._linearised(group, one.about) for group, one in self._groups.items()}
+        return result
 
     def refine(self, law: RandomErrors, levels: Sequence[Array], scores: Array) -> MeanSet:
         """Try more moments about the likeliest of those at which something may change, and take the term at its size.
@@ -98,15 +98,15 @@ class LegInference:
         level, row, column = np.unravel_index(np.argmax(scores[:, :, 1:]), scores[:, :, 1:].shape)
         best, likeliest = MeanSet(self.sets[row].causes, int(column) + 1), self.terms[column]
         mean = self._posterior_mean(law, levels[int(level)], best)
-        own = [each for each in (*self.terms, *refined(self.model, likeliest)) if each.is_alike(likeliest)]
-        own = [at_size(self.model, each, best.causes, mean[: self._k], mean[self.core :]) for each in own]
-        self.terms = (*(each for each in self.terms if not each.is_alike(likeliest)), *own)
+        terms = [term for term in (*self.terms, *refined(self.model, likeliest)) if term.is_alike(likeliest)]
+        terms = [at_size(self.model, term, best.causes, mean[: self._k], mean[self.core :]) for term in terms]
+        self.terms = (*(term for term in self.terms if not term.is_alike(likeliest)), *terms)
         self._known.clear()
         self._joined.clear()
         plain = scores[:, :, 0].max(axis=0)
         if plain.max() > scores[level, row, column + 1]:
             return self.sets[int(np.argmax(plain))]
-        return MeanSet(best.causes, 1 + next(i for i, each in enumerate(self.terms) if each.key == likeliest.key))
+        return MeanSet(best.causes, 1 + next(i for i, term in enumerate(self.terms) if term.key == likeliest.key))
 
     def at_once(self, task: Callable[[Array], Result], noises: Iterable[Array]) -> list[Result]:
         """Run a task at some noises, `jobs` at once: most of its time is spent where threads do not wait for others."""
@@ -119,9 +119,9 @@ class LegInference:
 
     def log_prior(self, one: MeanSet, law: Causes) -> float:
         """Log prior odds of a set over none, a term with a name counted as a cause, a share of whose prior it has."""
-        own = [each for each in (self.always, self.terms[one.term - 1] if one.term else None) if each is not None]
-        named = len(one.causes) + len(law) + sum(not each.is_neutral for each in own)
-        return log_prior(named, self.catalogue) + sum(each.log_share for each in own)
+        terms = [term for term in (self.always, self.terms[one.term - 1] if one.term else None) if term is not None]
+        named = len(one.causes) + len(law) + sum(not term.is_neutral for term in terms)
+        return log_prior(named, self.catalogue) + sum(term.log_share for term in terms)
 
     def log_priors(self, law: Causes) -> Array:
         """Those of all sets without a term and with each, shape (s, 1 + t); none of a set that is full."""
@@ -158,10 +158,10 @@ class LegInference:
             size = self.core + (self.terms[one.term - 1].columns.shape[2] if one.term else 0)
             mean, factor = np.zeros(size), np.eye(size)
             mean[: self._k] = coordinates.mean
-            own = coordinates.factor.copy()
+            coordinate_factor = coordinates.factor.copy()
             chosen = [i for name in one.causes for i in self.model.by_effect.get(name, ())]
-            own[chosen] *= SCALES[scale]
-            factor[: self._k, : self._k] = own
+            coordinate_factor[chosen] *= SCALES[scale]
+            factor[: self._k, : self._k] = coordinate_factor
             first = self.core - (self.always.columns.shape[2] if self.always is not None else 0)
             factor[first:, first:] *= SCALES[scale]
             self._known[one, scale] = mean, factor
@@ -225,8 +225,8 @@ class LegInference:
         """Bound of errors with heavy tails, by the likeliest set in the columns of a group."""
         mean, factor = self.prior(law.reference, 1)
         columns = self.linear(group).columns * scale
-        own = self._of([self.terms[law.reference.term - 1]] if law.reference.term else [])
-        design = np.concatenate([columns[:, :, :-1], *own], axis=2)
+        term_columns = self._of([self.terms[law.reference.term - 1]] if law.reference.term else [])
+        design = np.concatenate([columns[:, :, :-1], *term_columns], axis=2)
         return TailBound.at(columns[:, :, -1] - design @ mean, design @ factor, variance, dof)
 
     def gram_of(self, law: RandomErrors, logs: Array, one: MeanSet) -> GramMatrix:
@@ -241,12 +241,12 @@ class LegInference:
 
     def log_densities(self, law: RandomErrors, logs: Array, sets: Sequence[MeanSet], terms: Sequence[int]) -> Array:
         """Log density at one noise under each of some sets without a term, and with each of some, shape (s, 1 + t)."""
-        found = np.empty((len(sets), 1 + len(terms)))
+        densities = np.empty((len(sets), 1 + len(terms)))
         by_group = grouped(sets, self.group)
         grams = self.grams(law, logs, by_group, terms)
         for group, members in by_group.items():
-            found[members] = self.with_terms([grams[group]], [sets[i] for i in members], terms, (1,))[0, :, 0]
-        return found
+            densities[members] = self.with_terms([grams[group]], [sets[i] for i in members], terms, (1,))[0, :, 0]
+        return densities
 
     def with_terms(
         self, grams: Sequence[GramMatrix], sets: Sequence[MeanSet], terms: Sequence[int], scales: Sequence[int]
@@ -255,7 +255,7 @@ class LegInference:
 
         A set that is full has no term.
         """
-        found = np.full((len(grams), len(sets), len(scales), 1 + len(terms)), -np.inf)
+        densities = np.full((len(grams), len(sets), len(scales), 1 + len(terms)), -np.inf)
         full = [i for i, one in enumerate(sets) if len(one.causes) == MOST_IN_MEAN]
         free = [i for i, one in enumerate(sets) if len(one.causes) < MOST_IN_MEAN]
         for members, beside in ((full, ()), (free, terms)):
@@ -263,8 +263,8 @@ class LegInference:
                 priors = self.priors([sets[i] for i in members], scales)
                 sds = np.tile([SCALES[scale] for scale in scales], len(members))
                 logs = priors.log_densities(grams, self.blocks(beside), sds)
-                found[:, members, :, : 1 + len(beside)] = logs.reshape(len(grams), len(members), len(scales), -1)
-        return found
+                densities[:, members, :, : 1 + len(beside)] = logs.reshape(len(grams), len(members), len(scales), -1)
+        return densities
 
     def blocks(self, terms: Sequence[int]) -> NDArray[np.int_]:
         """Places of the columns of some terms among theirs, and their numbers, shape (t, 2)."""
@@ -317,7 +317,7 @@ class LegInference:
 
 def grouped(items: Sequence[MeanSet], key: Callable[[MeanSet], Causes]) -> dict[Causes, list[int]]:
     """Indices of items by a key."""
-    found: dict[Causes, list[int]] = {}
+    indices: dict[Causes, list[int]] = {}
     for index, item in enumerate(items):
-        found.setdefault(key(item), []).append(index)
-    return found
+        indices.setdefault(key(item), []).append(index)
+    return indices

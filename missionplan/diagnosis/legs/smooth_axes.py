@@ -52,7 +52,7 @@ def paired_axes(data: TransitData, leg: Leg, principal: Array) -> list[Axis]:
 
     What goes by heading does so once in a circle, more or less as the other quantity says, ahead or abeam.
     """
-    found = []
+    axes = []
     inputs, frames = _inputs(data, leg), _frames(data, leg, principal)
     for (first, of_first, one), (second, of_second, other) in itertools.combinations(inputs, 2):
         if "place" in (first, second):
@@ -61,12 +61,12 @@ def paired_axes(data: TransitData, leg: Leg, principal: Array) -> list[Axis]:
             name, words = f"{first} and {second}", f"a velocity{frame} that changes with {of_first} and {of_second}"
             if "heading" not in (first, second):
                 both = np.concatenate([one, other], axis=1)
-                found.append(pointwise(name, words, np.repeat(both, 2, axis=0), directions))
+                axes.append(pointwise(name, words, np.repeat(both, 2, axis=0), directions))
             elif frame:
                 angles, along = (one, other) if first == "heading" else (other, one)
                 by_course = np.repeat(np.concatenate([np.cos(angles), np.sin(angles)], axis=1), 2, axis=0)
-                found.append(pointwise(name, words, np.repeat(along, 2, axis=0), directions * by_course))
-    return found
+                axes.append(pointwise(name, words, np.repeat(along, 2, axis=0), directions * by_course))
+    return axes
 
 
 LINES_TRIED = 4
@@ -106,15 +106,15 @@ BEARINGS, LINES = 6, np.linspace(0.15, 0.85, 6)
 
 def across_lines(data: TransitData, leg: Leg, principal: Array) -> list[Tried]:
     """Velocities on one side of a line, by its direction [rad] and distance [m]."""
-    found = []
+    trials = []
     for bearing in (np.pi / BEARINGS * np.arange(BEARINGS)).tolist():
-        first, last = (np.array([np.sin(bearing), np.cos(bearing)]) @ each for each in (data.start, data.dead_reckoned))
+        first, last = (np.array([np.sin(bearing), np.cos(bearing)]) @ ends for ends in (data.start, data.dead_reckoned))
         for line in np.quantile(0.5 * (first + last), LINES).tolist():
             share = np.clip((np.maximum(first, last) - line) / np.maximum(np.abs(last - first), 1e-9), 0.0, 1.0)
             for frame, directions in _frames(data, leg, principal).items():
                 columns = _of_unit_size(directions * np.repeat(share, 2)[:, None])
-                found.append(Tried("place", f"a velocity{frame} that changes across a line", (bearing, line), columns))
-    return found
+                trials.append(Tried("place", f"a velocity{frame} that changes across a line", (bearing, line), columns))
+    return trials
 
 
 MOST_TURNS = 64
@@ -141,8 +141,8 @@ def waves_of_water(data: TransitData, leg: Leg, principal: Array) -> Iterator[Tr
     legs = tuple((t - origin) / span for t in (data.t_start, data.t_start + data.under_way))
     ways = np.array([[1.0, 1.0j], [1.0, -1.0j]])  # east and north, clockwise and the other way
     for turns in np.arange(1.0, max(min(data.n, MOST_TURNS) / LEGS_IN_TURN, 1.0) + 0.5, 0.5).tolist():
-        for sense, own in enumerate((ways[:1], ways[1:], ways)):
-            columns = _wave(legs, turns, own, principal)
+        for sense, directions in enumerate((ways[:1], ways[1:], ways)):
+            columns = _wave(legs, turns, directions, principal)
             yield Tried("time", "a velocity that comes and goes with a period", (turns, sense), columns)
     for middle in np.quantile(data.middle, np.arange(0.5 * WINDOWS * WHILE, 1.0, WINDOWS * WHILE)).tolist():
         about = np.exp(-0.5 * np.square((data.middle - middle) / (WHILE * span)))
@@ -157,7 +157,7 @@ def waves_of_water(data: TransitData, leg: Leg, principal: Array) -> Iterator[Tr
     numbers = np.arange(-WAVES, WAVES + WAVE_STEP, WAVE_STEP).tolist()
     for east, north in itertools.product(numbers, numbers):
         if (north, east) > (0.0, 0.0) and np.hypot(east, north) <= WAVES:  # the opposite waves are the same
-            legs = tuple(np.array([east, north]) @ each / _extent(data) for each in (data.start, data.dead_reckoned))
+            legs = tuple(np.array([east, north]) @ ends / _extent(data) for ends in (data.start, data.dead_reckoned))
             columns = _wave(legs, 1.0, np.array([[north, -east]]), principal)
             yield Tried("place", "a velocity that winds from side to side over a place", (east, north), columns)
 
@@ -200,7 +200,7 @@ def _inputs(data: TransitData, leg: Leg) -> list[tuple[str, str, Array]]:
 
     Headings are angles [rad].
     """
-    found = [
+    inputs = [
         ("time", "time", scaled(data.middle)),
         ("place", "place", _place(data)),
         ("heading", "heading", np.arctan2(*leg.along)[:, None]),
@@ -213,5 +213,5 @@ def _inputs(data: TransitData, leg: Leg) -> list[tuple[str, str, Array]]:
     ]
     for name, what, values in quantities:
         if np.ptp(values) > VARIES * max(float(np.median(values)), 1.0):
-            found.append((name, what, scaled(values)))
-    return found
+            inputs.append((name, what, scaled(values)))
+    return inputs

@@ -101,31 +101,31 @@ class LegTerm:
 
 def terms_of(model: TransitFitting) -> tuple[LegTerm, ...]:
     """Return all terms that a log could show, those of effects that the mission has already apart."""
-    given = {each.effect for each in model.given}
-    found: list[LegTerm] = []
+    mission_effects = {prior.effect for prior in model.given}
+    members: list[LegTerm] = []
     families = 0
     for info in effects_of("transit"):
-        if not info.terms or info.id in given or info.lacking(model.record):
+        if not info.terms or info.id in mission_effects or info.lacking(model.record):
             continue
         terms = [term for term in info.terms if not term.lacking(model.record)]
         families += len(terms) if info.tier == "neutral" else 0
-        found += [each for term in terms for each in _members(model, info, term)]
+        members += [member for term in terms for member in _members(model, info, term)]
     smooth = _smooth(model)
-    share = math.log(max(families + sum(math.exp(each.log_share) for each in smooth), 1.0) / UNNAMED)
+    share = math.log(max(families + sum(math.exp(term.log_share) for term in smooth), 1.0) / UNNAMED)
     return tuple(
-        replace(each, log_share=each.log_share - share) if each.is_neutral else each for each in [*found, *smooth]
+        replace(term, log_share=term.log_share - share) if term.is_neutral else term for term in [*members, *smooth]
     )
 
 
 def without_a_name(terms: Sequence[LegTerm], numbers: Collection[int]) -> tuple[LegTerm, ...]:
     """Return terms of which those of some numbers, from 1, are neutral, with the share of the prior of such a one."""
-    share = max(each.log_share for each in terms if each.is_neutral)
+    share = max(term.log_share for term in terms if term.is_neutral)
 
     def neutral(term: LegTerm) -> LegTerm:
         what = CATALOGUE[term.effect].parameters[term.axis].doc
         return replace(term, effect="", description=what, log_share=term.log_share + share)
 
-    return tuple(neutral(each) if number in numbers else each for number, each in enumerate(terms, start=1))
+    return tuple(neutral(term) if number in numbers else term for number, term in enumerate(terms, start=1))
 
 
 def refined(model: TransitFitting, likeliest: LegTerm) -> list[LegTerm]:
@@ -133,17 +133,17 @@ def refined(model: TransitFitting, likeliest: LegTerm) -> list[LegTerm]:
     if likeliest.acting is None or not likeliest.acting.shapes:
         return []
     info, shapes = CATALOGUE[likeliest.effect], likeliest.acting.shapes
-    strengths = tuple(each.name for each in likeliest.acting.coordinates)
-    term = next(each for each in info.terms if each.strengths == strengths)
+    strengths = tuple(coordinate.name for coordinate in likeliest.acting.coordinates)
+    term = next(term for term in info.terms if term.strengths == strengths)
     if any(info.parameters[name].searched != "time" for name in term.searched):
         return []
     tried, moments = _tried(model, info, term), _moments(model)
     apart = math.ceil(len(moments) / MOMENTS[len(shapes)])
     places = [int(np.searchsorted(moments, float(np.asarray(shapes[name])))) for name in term.searched]
     near = [moments[max(place - apart, 0) : place + apart + 1].tolist() for place in places]
-    finer = [each for each in _in_order(term, near) if each not in tried]
+    finer = [values for values in _in_order(term, near) if values not in tried]
     share = likeliest.log_share + math.log(len(tried)) - math.log(math.comb(len(moments), len(shapes)))
-    return [replace(each, log_share=share) for each in _members(model, info, term, finer)]
+    return [replace(member, log_share=share) for member in _members(model, info, term, finer)]
 
 
 def at_size(model: TransitFitting, term: LegTerm, causes: Causes, values: Array, coefficients: Array) -> LegTerm:
@@ -156,7 +156,7 @@ def at_size(model: TransitFitting, term: LegTerm, causes: Causes, values: Array,
     if acting is None or not turns or abs(coefficients[0]) < STEP:
         return term
     with_term = model.with_term(acting)
-    sizes = coefficients * [each.slab for each in acting.coordinates]
+    sizes = coefficients * [coordinate.slab for coordinate in acting.coordinates]
     together = np.concatenate([values, sizes])[with_term.from_last(acting)]
     names = [name for name in causes if name in model.by_effect]
     moved = with_term._error([*names, acting.effect], together) - model._error(names, values)
@@ -172,26 +172,26 @@ def _members(
     """
     tried = _tried(model, info, term) if wanted is None else wanted
     first, share = term.strengths[0], -math.log(max(len(tried), 1))
-    own = [info.parameters[name] for name in term.strengths]
-    what = own[0].doc if info.tier == "neutral" else info.what
+    parameters = [info.parameters[name] for name in term.strengths]
+    what = parameters[0].doc if info.tier == "neutral" else info.what
     effect = cast(TransitEffect, info.make(dict.fromkeys(term.strengths, 1.0)))
     does_answer = bool(np.any(effect.answer_to_current(model.leg, np.ones((2, model.data.n)))))
-    depths, found = max(float(np.nan_to_num(model.record.depths)), 1e-9), []
+    depths, members = max(float(np.nan_to_num(model.record.depths)), 1e-9), []
     for shapes, columns in zip(tried, unit_columns(model, info, term.strengths, tried=tried), strict=True):
-        sizes = np.array([min(each.scale, each.extent_scale / depths) for each in own])
+        sizes = np.array([min(parameter.scale, parameter.extent_scale / depths) for parameter in parameters])
         if info.tier == "neutral" and not does_answer:
             rms = np.sqrt(np.mean(np.sum(columns**2, axis=0), axis=0))
             sizes = np.where(rms > 0.0, SIZE / np.maximum(rms, 1e-300), 0.0)
         if sizes.min() <= 0.0:
             continue
         coordinates = tuple(
-            Coordinate(info.id, name, "strength", 0.0, size, each.spike)
-            for name, each, size in zip(term.strengths, own, sizes.tolist(), strict=True)
+            Coordinate(info.id, name, "strength", 0.0, size, parameter.spike)
+            for name, parameter, size in zip(term.strengths, parameters, sizes.tolist(), strict=True)
         )
         acting = ActingTerm(info.id, coordinates, shapes)
         columns *= sizes
-        found.append(LegTerm(info.id, first, what, columns, share, acting, does_answer))
-    return found
+        members.append(LegTerm(info.id, first, what, columns, share, acting, does_answer))
+    return members
 
 
 def unit_columns(
@@ -212,16 +212,16 @@ def unit_columns(
     together = max(TOGETHER // n, 1)
     for first in range(0, len(tried), together):
         some = tried[first : first + together]
-        repeated: dict[str, Any] = {name: np.tile(each, len(some)) for name, each in fields.items()}
-        legs, found = replace(leg, **repeated), np.empty((2, n, len(some), len(strengths)))
-        shapes = {name: np.repeat([each[name] for each in some], n) for name in some[0]}
+        repeated: dict[str, Any] = {name: np.tile(values, len(some)) for name, values in fields.items()}
+        legs, columns = replace(leg, **repeated), np.empty((2, n, len(some), len(strengths)))
+        shapes = {name: np.repeat([values[name] for values in some], n) for name in some[0]}
         moved = np.tile(np.broadcast_to(water, (2, n)), len(some))
         for place, name in enumerate(strengths):
             step = STEP * info.parameters[name].scale
             effect = cast(TransitEffect, info.make({**shapes, name: step}))
             error = model.axes.T @ velocity_error((effect,), legs, moved) / step
-            found[..., place] = error.reshape(2, len(some), n).swapaxes(1, 2)
-        yield from np.moveaxis(found, 2, 0)
+            columns[..., place] = error.reshape(2, len(some), n).swapaxes(1, 2)
+        yield from np.moveaxis(columns, 2, 0)
 
 
 def _moments(model: TransitFitting) -> Array:
@@ -233,14 +233,14 @@ def _moments(model: TransitFitting) -> Array:
 
 def _tried(model: TransitFitting, info: EffectInfo, term: Term) -> list[dict[str, Scalars]]:
     """Values of its shapes at which a term is tried: between legs, or between the values of a quantity."""
-    each = [_values(model, info.parameters[name].searched, len(term.searched)) for name in term.searched]
-    return _in_order(term, each)
+    values = [_values(model, info.parameters[name].searched, len(term.searched)) for name in term.searched]
+    return _in_order(term, values)
 
 
 def _in_order(term: Term, values: Sequence[Sequence[float]]) -> list[dict[str, Scalars]]:
     """Values of the shapes of a term, the moment until which it acts after that from which it does."""
-    chosen = (each for each in itertools.product(*values) if all(np.diff(each) > 0.0))
-    return [dict(zip(term.searched, each, strict=True)) for each in chosen]
+    chosen = (combination for combination in itertools.product(*values) if all(np.diff(combination) > 0.0))
+    return [dict(zip(term.searched, combination, strict=True)) for combination in chosen]
 
 
 def _values(model: TransitFitting, searched: str, shapes: int) -> list[float]:
@@ -263,8 +263,8 @@ def answers(model: TransitFitting, term: LegTerm, water: Array) -> Array:
     """Columns of a term that depends on the current, for one of these velocities, shape (2, n, q)."""
     assert term.acting is not None
     coordinates = term.acting.coordinates
-    (columns,) = unit_columns(model, CATALOGUE[term.effect], [each.name for each in coordinates], water)
-    return columns * [each.slab for each in coordinates]
+    (columns,) = unit_columns(model, CATALOGUE[term.effect], [coordinate.name for coordinate in coordinates], water)
+    return columns * [coordinate.slab for coordinate in coordinates]
 
 
 def _smooth(model: TransitFitting) -> list[LegTerm]:
@@ -273,21 +273,21 @@ def _smooth(model: TransitFitting) -> list[LegTerm]:
     wanted = [axis for axis in axes if axis.name != "time" or not _is_fixed_to_earth(axis)]
     pairs = paired_axes(model.data, model.leg, model.axes)
     lines = [axis for axis in wanted if _is_fixed_to_earth(axis) and axis.name != "heading"]
-    found = _along([[axis] for axis in wanted] + [along_one_line(axis) for axis in lines], LENGTHS)
-    found += _along([along_one_line(axis) if _is_fixed_to_earth(axis) else [axis] for axis in pairs], LENGTHS[:1])
+    terms = _along([[axis] for axis in wanted] + [along_one_line(axis) for axis in lines], LENGTHS)
+    terms += _along([along_one_line(axis) if _is_fixed_to_earth(axis) else [axis] for axis in pairs], LENGTHS[:1])
     flow = SMOOTH_SIZE * principal_components(flow_columns(model.data, model.axes), MOST_COLUMNS, LEAST_SHARE)
     eddies = "a velocity that changes with place as in eddies"
-    found.append(LegTerm("", "place", eddies, _by_leg(flow), 0.0, shape=(FLOW_LENGTH,)))
+    terms.append(LegTerm("", "place", eddies, _by_leg(flow), 0.0, shape=(FLOW_LENGTH,)))
     waves_tried = waves_of_water(model.data, model.leg, model.axes)
     tried = itertools.chain(across_lines(model.data, model.leg, model.axes), waves_tried)
     waves: list[LegTerm] = []
-    for size, alike in itertools.groupby(tried, lambda each: each.columns.shape[1]):
+    for size, alike in itertools.groupby(tried, lambda trial: trial.columns.shape[1]):
         while some := list(itertools.islice(alike, max(TOGETHER // (model.data.n * size), 1))):
-            together = np.ascontiguousarray(_by_leg(SIZE * np.stack([each.columns for each in some], axis=1)))
+            together = np.ascontiguousarray(_by_leg(SIZE * np.stack([trial.columns for trial in some], axis=1)))
             parts = zip(some, np.moveaxis(together, 2, 0), strict=True)
-            waves += [LegTerm("", each.axis, each.words, own, 0.0, shape=each.shape) for each, own in parts]
-    counts = Counter(each.description for each in waves)
-    return found + [replace(each, log_share=-math.log(counts[each.description])) for each in waves]
+            waves += [LegTerm("", trial.axis, trial.words, columns, 0.0, shape=trial.shape) for trial, columns in parts]
+    counts = Counter(wave.description for wave in waves)
+    return terms + [replace(wave, log_share=-math.log(counts[wave.description])) for wave in waves]
 
 
 def _is_fixed_to_earth(axis: Axis) -> bool:
@@ -299,7 +299,7 @@ def _along(families: Sequence[Sequence[Axis]], lengths: Sequence[float]) -> list
 
     One ahead or abeam has a level of its own: what is constant in it is no cause beside it.
     """
-    found = []
+    terms = []
     for family in families:
         share = -math.log(len(family) * len(lengths))
         for (number, axis), length in itertools.product(enumerate(family), lengths):
@@ -308,8 +308,8 @@ def _along(families: Sequence[Sequence[Axis]], lengths: Sequence[float]) -> list
                 level = axis.response.reshape(len(columns), axis.functions, -1).sum(axis=2)
                 columns = np.concatenate([columns, level], axis=1)
             columns = _by_leg(SMOOTH_SIZE * columns)
-            found.append(LegTerm("", axis.name, axis.description, columns, share, shape=(length, number)))
-    return found
+            terms.append(LegTerm("", axis.name, axis.description, columns, share, shape=(length, number)))
+    return terms
 
 
 def _by_leg(columns: Array) -> Array:

@@ -40,15 +40,15 @@ from missionplan.results.learned.next_trial import NextTrial, OutcomeRule, Possi
 
 def instruments_for(believed: Sequence[Believed]) -> Mapping[Coordinate, Instrument]:
     """Return the instruments that measure a strength of a possible cause, by its coordinate."""
-    found = {}
-    for each in believed:
-        for coordinate in each.coordinates:
+    instruments = {}
+    for belief in believed:
+        for coordinate in belief.coordinates:
             instrument = CATALOGUE[coordinate.effect].instrument
-            if coordinate.effect not in each.causes or coordinate.kind != "strength" or instrument is None:
+            if coordinate.effect not in belief.causes or coordinate.kind != "strength" or instrument is None:
                 continue
             if instrument.parameter == coordinate.name:
-                found[coordinate] = instrument
-    return found
+                instruments[coordinate] = instrument
+    return instruments
 
 
 def measured(instrument: Instrument, coordinate: Coordinate, believed: Sequence[Believed]) -> list[Prediction]:
@@ -56,13 +56,13 @@ def measured(instrument: Instrument, coordinate: Coordinate, believed: Sequence[
 
     Under sets without the effect the parameter is nil, to within its spike.
     """
-    found = []
-    for each in believed:
-        column = np.array([[float(own.key == coordinate.key) for own in each.coordinates]])
+    predictions = []
+    for belief in believed:
+        column = np.array([[float(parameter.key == coordinate.key) for parameter in belief.coordinates]])
         spike = 0.0 if column.any() else coordinate.spike
         noise = np.array([[instrument.sd**2 + spike**2]])
-        found.append(Prediction(column @ each.explanation.mean, column, noise))
-    return found
+        predictions.append(Prediction(column @ belief.explanation.mean, column, noise))
+    return predictions
 
 
 LISTED = 5
@@ -91,13 +91,13 @@ def outcomes(believed: Sequence[Believed], problem: DecisionProblem, made: Simul
     """Return how the trial may come out, by the causes likeliest then and the choice made, likeliest first."""
     likeliest = np.argmax(made.probabilities, axis=1)
     saved = problem.losses[:, problem.choice] - problem.losses[np.arange(len(made.chosen)), made.chosen]
-    found = []
+    outcomes = []
     for which, choice in sorted(set(zip(likeliest.tolist(), made.chosen.tolist(), strict=True))):
-        own = (likeliest == which) & (made.chosen == choice)
-        probability = float(problem.weight[own].sum())
-        saving = float(problem.weight[own] @ saved[own]) / probability
-        found.append(TrialOutcome(probability, believed[which].causes, float(problem.alternatives[choice]), saving))
-    likely = [outcome for outcome in found if outcome.probability >= RARE]
+        draws = (likeliest == which) & (made.chosen == choice)
+        probability = float(problem.weight[draws].sum())
+        saving = float(problem.weight[draws] @ saved[draws]) / probability
+        outcomes.append(TrialOutcome(probability, believed[which].causes, float(problem.alternatives[choice]), saving))
+    likely = [outcome for outcome in outcomes if outcome.probability >= RARE]
     return tuple(sorted(likely, key=lambda outcome: -outcome.probability)[:LISTED])
 
 
@@ -110,9 +110,9 @@ def outcome_rule(believed: Sequence[Believed], problem: DecisionProblem, made: S
     changed = made.chosen != problem.choice
     weight = problem.weight
     best: OutcomeRule | None = None
-    for which, each in enumerate(believed):
-        for index, coordinate in enumerate(each.coordinates):
-            if coordinate.kind != "strength" or coordinate.effect not in each.causes:
+    for which, belief in enumerate(believed):
+        for index, coordinate in enumerate(belief.coordinates):
+            if coordinate.kind != "strength" or coordinate.effect not in belief.causes:
                 continue
             values = made.means[which][:, index] * made.probabilities[:, which]
             for threshold in np.quantile(values, (np.arange(RULES) + 0.5) / RULES).tolist():
@@ -120,10 +120,10 @@ def outcome_rule(believed: Sequence[Believed], problem: DecisionProblem, made: S
                     there = values > threshold if above else values < threshold
                     agreement = float(weight[there == changed].sum())
                     if agreement >= max(FITTING, best.agreement + 1e-9 if best else 0.0) and np.any(there & changed):
-                        own = there & changed
-                        commonest = int(np.argmax(problem.weight[own] @ made.probabilities[own]))
+                        draws = there & changed
+                        commonest = int(np.argmax(problem.weight[draws] @ made.probabilities[draws]))
                         counts = np.bincount(
-                            made.chosen[own], weights=problem.weight[own], minlength=len(problem.alternatives)
+                            made.chosen[draws], weights=problem.weight[draws], minlength=len(problem.alternatives)
                         )
                         causes, choice = (
                             believed[commonest].causes,
@@ -171,8 +171,8 @@ class Valuation:
     def of(cls, kind: TrialKind, believed: tuple[Believed, ...], seed: int) -> "Valuation":
         """Draw, and run the missions."""
         generator = np.random.default_rng(seed)
-        explanations = [each.explanation for each in believed]
-        counts = [max(FEWEST, round(DRAWS * each.probability)) for each in explanations]
+        explanations = [belief.explanation for belief in believed]
+        counts = [max(FEWEST, round(DRAWS * explanation.probability)) for explanation in explanations]
         draws = drawn(explanations, counts, generator)
         alternatives = kind.alternatives()
         return cls(
@@ -182,8 +182,8 @@ class Valuation:
     def result(self) -> NextTrial:
         """Value every design and find the best."""
         problem = self.losses.problem
-        found = [(*self.valued(candidate), candidate) for candidate in self.candidates()]
-        found.sort(key=lambda entry: (-entry[0].saving if entry[1].changes else 0.0, -entry[0].information))
+        designs = [(*self.valued(candidate), candidate) for candidate in self.candidates()]
+        designs.sort(key=lambda entry: (-entry[0].saving if entry[1].changes else 0.0, -entry[0].information))
         perfect = value_of_information(problem, self._perfect())
         result = NextTrial(
             decides=self.decides,
@@ -194,23 +194,23 @@ class Valuation:
             success=float(self.losses.success[problem.choice]),
             failure_loss=self.losses.failure,
             perfect=perfect.mean if perfect.changes else 0.0,
-            explanations=tuple(PossibleSet(each.causes, each.explanation.probability) for each in self.believed),
-            designs=tuple(valued for valued, _, _ in found),
+            explanations=tuple(PossibleSet(belief.causes, belief.explanation.probability) for belief in self.believed),
+            designs=tuple(valued for valued, _, _ in designs),
             right=self.right(),
         )
-        worth = [entry for entry in found if entry[1].changes and entry[0].saving > WORTH * result.loss]
+        worth = [entry for entry in designs if entry[1].changes and entry[0].saving > WORTH * result.loss]
         if not worth:
             settling = result.settling
-            return replace(result, trial=next((one.trial for valued, _, one in found if valued is settling), None))
+            return replace(result, trial=next((one.trial for valued, _, one in designs if valued is settling), None))
         # the cheapest of the designs that save nearly the most, and its outcomes
         enough = [entry for entry in worth if entry[0].saving >= NEARLY * worth[0][0].saving]
         best, saving, made = min(enough, key=lambda entry: entry[0].minutes)
         experiment = self.experiment(made)
         data = experiment.data(self.draws, np.random.default_rng(self.seed + 1))
         simulated = SimulatedTrial(experiment.probabilities(data), experiment.means(data), saving.chosen)
-        told = outcomes(self.believed, problem, simulated)
+        trial_outcomes = outcomes(self.believed, problem, simulated)
         rule = outcome_rule(self.believed, problem, simulated)
-        return replace(result, best=best, outcomes=told, rule=rule, trial=made.trial)
+        return replace(result, best=best, outcomes=trial_outcomes, rule=rule, trial=made.trial)
 
     def valued(self, candidate: Candidate) -> tuple[ValuedDesign, Saving]:
         """Value a trial."""
@@ -231,18 +231,18 @@ class Valuation:
 
     def right(self, after: Array | None = None) -> float:
         """Probability that what is done about the vehicle is right; of sets left out, by what is known now."""
-        probabilities = [each.explanation.probability for each in self.believed] if after is None else after
-        asked = [to_do(each.causes) for each in self.believed]
+        probabilities = [belief.explanation.probability for belief in self.believed] if after is None else after
+        asked = [to_do(belief.causes) for belief in self.believed]
         among = right_about_vehicle(asked, self.draws, np.asarray(probabilities))
         shares: dict[frozenset[str], float] = {}
-        for own, each in zip(asked, self.believed, strict=True):
-            shares[own] = shares.get(own, 0.0) + each.explanation.probability
-        done = max(shares, key=lambda own: shares[own])
+        for remedies, belief in zip(asked, self.believed, strict=True):
+            shares[remedies] = shares.get(remedies, 0.0) + belief.explanation.probability
+        done = max(shares, key=lambda remedies: shares[remedies])
         return (1.0 - sum(self.left.values())) * among + self.left.get(done, 0.0)
 
     def experiment(self, candidate: Candidate) -> Experiment:
         """Return a trial as the sets of causes predict it."""
-        return Experiment(tuple(each.explanation for each in self.believed), candidate.predictions)
+        return Experiment(tuple(belief.explanation for belief in self.believed), candidate.predictions)
 
     def candidates(self) -> Iterator[Candidate]:
         """Designs that the planner can make, then instruments."""
@@ -262,13 +262,13 @@ class Valuation:
     def _perfect(self) -> Array:
         """Columns that tell causes and sizes themselves, for the value of perfect information."""
         n, start, columns = len(self.draws.explanation), 0, []
-        for each, own in zip(self.believed, self.draws.parameters, strict=True):
-            sd = np.sqrt(np.maximum(np.diag(each.explanation.covariance), 1e-300))
-            for column in polynomial((own - each.explanation.mean) / sd):
+        for belief, parameters in zip(self.believed, self.draws.parameters, strict=True):
+            sd = np.sqrt(np.maximum(np.diag(belief.explanation.covariance), 1e-300))
+            for column in polynomial((parameters - belief.explanation.mean) / sd):
                 whole = np.zeros(n)
-                whole[start : start + len(own)] = column
+                whole[start : start + len(parameters)] = column
                 columns.append(whole)
-            start += len(own)
+            start += len(parameters)
         return np.stack(columns, axis=1)
 
 
@@ -279,7 +279,7 @@ KINDS: Mapping[str, tuple[str, str]] = {
 """By kind of data, module and class of its trials."""
 
 
-def next_trial(explanations: Sequence[Weighed], found: PipelineResult, scale: float, seed: int) -> NextTrial:
+def next_trial(explanations: Sequence[Weighed], pipeline_result: PipelineResult, scale: float, seed: int) -> NextTrial:
     """Value the trials that could follow a diagnosis, or find out why that cannot be done.
 
     `explanations` are the mission's, laid against the data so far, the likeliest first; `scale` is of the random
@@ -289,12 +289,12 @@ def next_trial(explanations: Sequence[Weighed], found: PipelineResult, scale: fl
     if kind not in KINDS:
         return NextTrial(reason=f"no trials are designed for data of kind {kind}")
     try:
-        return valuation(explanations, found, scale, seed).result()
+        return valuation(explanations, pipeline_result, scale, seed).result()
     except (MissionplanError, FloatingPointError) as error:
         return NextTrial(reason=str(error))
 
 
-def valuation(explanations: Sequence[Weighed], found: PipelineResult, scale: float, seed: int) -> Valuation:
+def valuation(explanations: Sequence[Weighed], pipeline_result: PipelineResult, scale: float, seed: int) -> Valuation:
     """Draw what is unknown after a diagnosis and run the missions: parameters as of `next_trial`.
 
     Raises InputError when an extended mission is not valid, or lacks what is to be chosen.
@@ -302,7 +302,7 @@ def valuation(explanations: Sequence[Weighed], found: PipelineResult, scale: flo
     bound = explanations[0].bound
     module, name = KINDS[bound.kind]
     kind = cast("Callable[[DataKind], TrialKind]", getattr(import_module(module), name))(bound)
-    likely, others = likely_fits(explanations, found)
+    likely, others = likely_fits(explanations, pipeline_result)
     left: dict[frozenset[str], float] = {}
     for one, fit, probability in others:
         asked = to_do(causes_of(one, fit))

@@ -57,14 +57,14 @@ Fits = list[tuple[Weighed, CauseFit, float]]
 """Explanations of the mission, fits beside them, and their probabilities."""
 
 
-def likely_fits(explanations: Sequence[Weighed], found: PipelineResult) -> tuple[Fits, Fits]:
+def likely_fits(explanations: Sequence[Weighed], pipeline_result: PipelineResult) -> tuple[Fits, Fits]:
     """Return the likeliest fits that may hold with probabilities that add up to 1, and those that are left out.
 
     The probabilities of those are of all that may hold, as the extended mission has it.
     """
-    possible = possible_fits(explanations, found)
+    possible = possible_fits(explanations, pipeline_result)
     likely = sum(weight for *_, weight in possible[:EXPLANATIONS])
-    kept = [each for each in possible[:EXPLANATIONS] if each[2] > NEGLIGIBLE * likely]
+    kept = [row for row in possible[:EXPLANATIONS] if row[2] > NEGLIGIBLE * likely]
     left = possible[len(kept) :]
     total, of_all = sum(weight for *_, weight in kept), sum(weight for *_, weight in possible)
     return (
@@ -86,27 +86,27 @@ def believe(fits: Fits, posterior_of: Callable[[DataKind, CauseFit], Posterior],
     `fits`: with their probabilities. `posterior_of`: what a fit to data bound to a mission says of the parameters.
     `scale`: of the random errors; see `DataKind.carried`.
     """
-    found = []
+    beliefs = []
     for one, fit, probability in fits:
         bound = one.bound
         posterior = posterior_of(bound, fit)
         explanation = Explanation(probability, posterior.mean[posterior.places], posterior.covariance)
-        own = tuple(bound.model_coordinates[index] for index in posterior.places)
+        coordinates = tuple(bound.model_coordinates[index] for index in posterior.places)
         causes = causes_of(one, fit)
-        carried, shown = bound.carried(fit, scale), tuple(each.effect for each in bound.given)
+        carried, shown = bound.carried(fit, scale), tuple(prior.effect for prior in bound.given)
         data = bound.extended_mission(carried)
-        known = replace(carried, posterior=carried.posterior.without(("",)))  # σ_v is drawn apart from the parameters
-        held = Hypothesis(causes, 1.0, one.explained.mission, shown, known, data)
-        mission = Mission.from_data(extended_mission([held]))
-        found.append(Believed(causes, bound, fit, posterior, explanation, own, mission))
-    return tuple(found)
+        rest = replace(carried, posterior=carried.posterior.without(("",)))  # σ_v is drawn apart from the parameters
+        hypothesis = Hypothesis(causes, 1.0, one.explained.mission, shown, rest, data)
+        mission = Mission.from_data(extended_mission([hypothesis]))
+        beliefs.append(Believed(causes, bound, fit, posterior, explanation, coordinates, mission))
+    return tuple(beliefs)
 
 
 def to_do(causes: Causes) -> frozenset[str]:
     """Return what causes ask of the crew: the remedies of what the vehicle has itself; of all else nothing."""
     infos = [CATALOGUE[cause] for cause in causes]
-    own = [info for info in infos if info.belongs_to == "vehicle" and info.tier == "physical"]
-    return frozenset(info.finding.remedy for info in own if info.finding is not None)
+    vehicle_infos = [info for info in infos if info.belongs_to == "vehicle" and info.tier == "physical"]
+    return frozenset(info.finding.remedy for info in vehicle_infos if info.finding is not None)
 
 
 def right_about_vehicle(asked: Sequence[frozenset[str]], draws: Draws, probabilities: Array) -> float:
@@ -116,6 +116,6 @@ def right_about_vehicle(asked: Sequence[frozenset[str]], draws: Draws, probabili
     (s,): of the sets, as they are known then.
     """
     things = list(dict.fromkeys(asked))
-    same = np.array([[own == thing for thing in things] for own in asked], dtype=float)
+    same = np.array([[remedies == thing for thing in things] for remedies in asked], dtype=float)
     done = np.broadcast_to(np.argmax(probabilities @ same, axis=-1), draws.weight.shape)
     return float(draws.weight @ same[draws.explanation, done])

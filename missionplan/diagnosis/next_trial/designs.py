@@ -64,11 +64,11 @@ def losses(
     Each draw is one trial of the mission; `seed` is of the missions' other random numbers, `generator` of how the
     effects differ from record to record.
     """
-    found = [
-        _trials(each, parameters, alternatives, seed, generator)
-        for each, parameters in zip(believed, draws.parameters, strict=True)
+    runs = [
+        _trials(belief, parameters, alternatives, seed, generator)
+        for belief, parameters in zip(believed, draws.parameters, strict=True)
     ]
-    energy, duration, success = (np.concatenate([run[index] for run in found]) for index in range(3))
+    energy, duration, success = (np.concatenate([run[index] for run in runs]) for index in range(3))
     has_energy = bool(np.isfinite(energy).any())
     cost = energy if has_energy else duration / 60.0
     works = success > 0.0
@@ -80,24 +80,24 @@ def losses(
 
 
 def _trials(
-    each: Believed, parameters: Array, alternatives: Alternatives, seed: int, generator: np.random.Generator
+    belief: Believed, parameters: Array, alternatives: Alternatives, seed: int, generator: np.random.Generator
 ) -> tuple[Array, Array, Array]:
     """Energy [W h], time [s] and success of every draw with every alternative, shape (n, a) each."""
-    spikes = np.array([coordinate.spike for coordinate in each.coordinates])
+    spikes = np.array([coordinate.spike for coordinate in belief.coordinates])
     today = parameters + generator.standard_normal(parameters.shape) * spikes
     # draws of the parameters by their key paths in the mission, inside their ranges
-    own = {}
-    for effect, named in parameters_from(each.coordinates, today.T).items():
+    draws = {}
+    for effect, named in parameters_from(belief.coordinates, today.T).items():
         for name, drawn in named.items():
             parameter = CATALOGUE[effect].parameters[name]
-            own[f"effects.{effect}.{name}"] = np.clip(drawn, parameter.low, parameter.high)
+            draws[f"effects.{effect}.{name}"] = np.clip(drawn, parameter.low, parameter.high)
     columns = []
     for value in alternatives.values.tolist():
-        mission = alternatives.change(each.mission, value)
+        mission = alternatives.change(belief.mission, value)
         scenario = Scenario.at_means(mission, recorded_current(mission)).sampled(
             seed=seed, block=0, size=len(parameters)
         )
-        scenario = replace(scenario, drawn=scenario.drawn.at(own))
+        scenario = replace(scenario, drawn=scenario.drawn.at(draws))
         trials = run_block(scenario, seed, 0, len(parameters), inputs=False)
         columns.append((trials.total["energy_wh"], trials.total["duration_s"], trials.success.astype(float)))
     energy, duration, success = (np.stack(values, axis=1) for values in zip(*columns, strict=True))
@@ -150,12 +150,12 @@ def cost_of(trial: Mapping[str, object], seed: int) -> Cost | None:
     try:
         mission = Mission.from_data(trial)
         means = Scenario.at_means(mission, recorded_current(mission))
-        found = run_block(means.sampled(seed=seed, block=0, size=COSTING_TRIALS), seed, 0, COSTING_TRIALS, inputs=False)
+        runs = run_block(means.sampled(seed=seed, block=0, size=COSTING_TRIALS), seed, 0, COSTING_TRIALS, inputs=False)
     except (MissionplanError, FloatingPointError):
         return None
-    duration, energy = (found.total[key] for key in ("duration_s", "energy_wh"))
+    duration, energy = (runs.total[key] for key in ("duration_s", "energy_wh"))
     ended = np.isfinite(duration)
     if np.count_nonzero(ended) < 0.5 * COSTING_TRIALS:
         return None
-    known = np.isfinite(energy[ended]).all()
-    return Cost(float(duration[ended].mean()) / 60.0, float(energy[ended].mean()) if known else None)
+    has_energy = np.isfinite(energy[ended]).all()
+    return Cost(float(duration[ended].mean()) / 60.0, float(energy[ended].mean()) if has_energy else None)

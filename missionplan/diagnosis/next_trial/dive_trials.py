@@ -31,12 +31,12 @@ NEGLIGIBLE = 0.02
 """Probability below which a noise is not considered."""
 
 
-def planned(logs: tuple[DiveLog, ...], each: Believed) -> Prediction:
+def planned(logs: tuple[DiveLog, ...], belief: Believed) -> Prediction:
     """Return what dives to come show under a set of causes: as `made`, of the depths that the set expects."""
-    model = cast("DescentKind", each.bound).model
-    readings = replace(model.forward, logs=logs).readings(model.coordinates, each.posterior.mean[:, None])
-    (found,) = made(with_depths(logs, readings[:, 0]), [each])
-    return found
+    model = cast("DescentKind", belief.bound).model
+    readings = replace(model.forward, logs=logs).readings(model.coordinates, belief.posterior.mean[:, None])
+    (prediction,) = made(with_depths(logs, readings[:, 0]), [belief])
+    return prediction
 
 
 def made(logs: tuple[DiveLog, ...], believed: Sequence[Believed]) -> list[Prediction]:
@@ -50,34 +50,36 @@ def made(logs: tuple[DiveLog, ...], believed: Sequence[Believed]) -> list[Predic
     """
     model = cast("DescentKind", believed[0].bound).model
     model = replace(model, forward=replace(model.forward, logs=logs))
-    linears = model.linearise([(each.fit.causes, each.posterior.mean) for each in believed])
-    without = np.stack([each.posterior.mean for each in believed], axis=1)  # causes and the mission's own effects
-    for number, each in enumerate(believed):
-        places = [place for place in each.posterior.places if model.coordinates[place].kind != "shape"]
+    linears = model.linearise([(belief.fit.causes, belief.posterior.mean) for belief in believed])
+    without = np.stack([belief.posterior.mean for belief in believed], axis=1)  # causes and the mission's own effects
+    for number, belief in enumerate(believed):
+        places = [place for place in belief.posterior.places if model.coordinates[place].kind != "shape"]
         without[places, number] = 0.0
     delays = np.stack([linear.release_delays for linear in linears])
     bare = model.forward.readings(model.coordinates, without, delays)
     spikes = np.array([coordinate.spike for coordinate in model.coordinates])
-    times, found = np.concatenate([log.t for log in model.forward.logs]), []
-    for each, linear, own in zip(believed, linears, bare.T, strict=True):
-        added = linear.readings - own
+    times, predictions = np.concatenate([log.t for log in model.forward.logs]), []
+    for belief, linear, depths in zip(believed, linears, bare.T, strict=True):
+        added = linear.readings - depths
         shared, plain = shape_error_covariance(times, added), replace(linear, shaped=np.zeros_like(added))
-        noises, shares = _noises(each.fit.state)
+        noises, shares = _noises(belief.fit.state)
         covariances = [model.covariance(plain, noise, spikes).dense() + shared for noise in noises]
         centre = linear.readings - model.release_delay_shift(linear)
-        found.append(Prediction(centre, linear.columns[:, each.posterior.places], np.stack(covariances), shares))
-    return found
+        predictions.append(
+            Prediction(centre, linear.columns[:, belief.posterior.places], np.stack(covariances), shares)
+        )
+    return predictions
 
 
 def _noises(state: DescentState) -> tuple[list[Noise], Array]:
     """The likeliest noise at each scatter from dive to dive, and their probabilities by the dives so far."""
     grid, logs = noise_grid(), state.likelihood.log_joint(state.prior_sd)
     shares = np.exp(logs - np.logaddexp.reduce(logs))
-    found = []
+    noises = []
     for scatter in SCATTER_FACTORS:
-        own = [index for index, noise in enumerate(grid) if noise.scatter == scatter]
-        found.append((grid[max(own, key=lambda index: shares[index])], float(shares[own].sum())))
-    kept = [(noise, share) for noise, share in found if share > NEGLIGIBLE]
+        indices = [index for index, noise in enumerate(grid) if noise.scatter == scatter]
+        noises.append((grid[max(indices, key=lambda index: shares[index])], float(shares[indices].sum())))
+    kept = [(noise, share) for noise, share in noises if share > NEGLIGIBLE]
     total = sum(share for _, share in kept)
     return [noise for noise, _ in kept], np.array([share / total for _, share in kept])
 
@@ -126,34 +128,34 @@ class DiveTrials(TrialKind):
         others = {
             f"an anchor of {weight:.3g} N": replace(first, wet_weight=weight)
             for weight in weights
-            if weight not in {each.wet_weight for each in stock}
+            if weight not in {dive.wet_weight for dive in stock}
         }
         others |= {
             f"a line of {line:.3g} m": replace(
                 first, line_length=line, site_depth=first.site_depth + line - first.line_length
             )
             for line in lines
-            if line not in {each.line_length for each in stock}
+            if line not in {dive.line_length for dive in stock}
         }
         deep = DEEP * first.site_depth
         others[f"{deep:.3g} m of water"] = replace(first, site_depth=deep)
-        own = {f"{each.wet_weight:.3g} N on {each.line_length:.3g} m of line": each for each in stock}
-        found = [
+        named_stock = {f"{dive.wet_weight:.3g} N on {dive.line_length:.3g} m of line": dive for dive in stock}
+        plans = [
             _Dives(f"{_counted(count)} with {what}", (dive,) * count)
             for count in COUNTS
-            for what, dive in (own | others).items()
+            for what, dive in (named_stock | others).items()
         ]
-        return tuple(found)
+        return tuple(plans)
 
     def _in_stock(self, key: str, unit: str) -> tuple[float, ...]:
         """Values of a key of the mooring that the mission's section `optimise` lists; none where it lists none."""
         name = f"{self._moor.name}.{key}"
-        sections = [each for each in self.bound.mission.optimise.choose if name in each.all_keys]
-        found = []
-        for value in (value for each in sections for value in each.choices):
+        sections = [section for section in self.bound.mission.optimise.choose if name in section.all_keys]
+        values = []
+        for value in (value for section in sections for value in section.choices):
             with suppress(QuantityError):  # `sized` is in no stock; `optimise` tells of what is wrong
-                found.append(parse_number_with_unit(value, unit))
-        return tuple(found)
+                values.append(parse_number_with_unit(value, unit))
+        return tuple(values)
 
     @property
     def designs(self) -> Sequence[str]:
@@ -181,7 +183,7 @@ class DiveTrials(TrialKind):
             for number, dive in enumerate(self._plans[design].dives)
         ]
         logs = stretched_dives(self.bound.model.forward.coarse, dives)
-        return [planned(logs, each) for each in believed]
+        return [planned(logs, belief) for belief in believed]
 
     def predicted(self, logs: tuple[DiveLog, ...], believed: Sequence[Believed]) -> list[Prediction]:
         """Return the depths of dives that were made as each set of causes predicts them [m].
@@ -213,11 +215,11 @@ class DiveTrials(TrialKind):
         raw = copy.deepcopy(dict(self.bound.mission.raw))
         written = raw["phases"]
         entries = written if isinstance(written, list) else []
-        own = next(entry["moor"] for entry in entries if isinstance(entry, dict) and "moor" in entry)
+        mooring = next(entry["moor"] for entry in entries if isinstance(entry, dict) and "moor" in entry)
         phases = [
             {
                 "moor": {
-                    **own,
+                    **mooring,
                     "name": f"dive-{index + 1}",
                     "anchor_wet_weight": f"{dive.wet_weight:.4g} N",
                     "line_length": f"{dive.line_length:.4g} m",
@@ -235,18 +237,18 @@ class DiveTrials(TrialKind):
         stock = self._in_stock("anchor_wet_weight", "N")
         if len(stock) > 1:
             return Alternatives("anchor_wet_weight_n", np.unique(stock), with_anchor)
-        given = self._moor.anchor_wet_weight
-        usual = worst_case_anchor(self.bound.mission) if given == "sized" else mean_of(given)
+        weight = self._moor.anchor_wet_weight
+        usual = worst_case_anchor(self.bound.mission) if weight == "sized" else mean_of(weight)
         return Alternatives("anchor_wet_weight_n", usual * FACTORS, with_anchor)
 
 
 def _deepened(site: object, depth: float) -> dict[str, object]:
     """The site at another depth, where its lowest layer of current goes on to the bottom."""
-    found = dict(site) if isinstance(site, dict) else {}
-    layers = found.get("current")
+    section = dict(site) if isinstance(site, dict) else {}
+    layers = section.get("current")
     if isinstance(layers, list) and layers and isinstance(layers[-1], dict):
-        found["current"] = [*layers[:-1], {**layers[-1], "down_to": f"{depth:.4g} m"}]
-    return found | {"depth": f"{depth:.4g} m"}
+        section["current"] = [*layers[:-1], {**layers[-1], "down_to": f"{depth:.4g} m"}]
+    return section | {"depth": f"{depth:.4g} m"}
 
 
 def _counted(count: int) -> str:

@@ -37,11 +37,12 @@ class Draws:
 def drawn(explanations: Sequence[Explanation], counts: Sequence[int], generator: np.random.Generator) -> Draws:
     """Draw parameters under each explanation, whose probabilities add up to 1, so many of each."""
     parameters = tuple(
-        each.mean + generator.standard_normal((count, len(each.mean))) @ square_root(each.covariance).T
-        for each, count in zip(explanations, counts, strict=True)
+        explanation.mean
+        + generator.standard_normal((count, len(explanation.mean))) @ square_root(explanation.covariance).T
+        for explanation, count in zip(explanations, counts, strict=True)
     )
     which = np.repeat(np.arange(len(counts)), counts)
-    share = np.array([each.probability / count for each, count in zip(explanations, counts, strict=True)])
+    share = np.array([explanation.probability / count for explanation, count in zip(explanations, counts, strict=True)])
     return Draws(which, parameters, share[which])
 
 
@@ -67,11 +68,11 @@ class Experiment:
     def data(self, draws: Draws, generator: np.random.Generator) -> Array:
         """Simulate the experiment for every draw, shape (n, N)."""
         parts = []
-        for each, own in zip(self._updated, draws.parameters, strict=True):
-            predicted = each.prediction.centre + (own - each.explanation.mean) @ each.prediction.columns.T
+        for update, theta in zip(self._updated, draws.parameters, strict=True):
+            predicted = update.prediction.centre + (theta - update.explanation.mean) @ update.prediction.columns.T
             normals = generator.standard_normal(predicted.shape)
-            ends = np.round(np.cumsum(each.prediction.shares) * len(own)).astype(int)  # so many draws of each noise
-            for noise, end, count in zip(each.prediction.noises, ends, np.diff(ends, prepend=0), strict=True):
+            ends = np.round(np.cumsum(update.prediction.shares) * len(theta)).astype(int)  # so many draws of each noise
+            for noise, end, count in zip(update.prediction.noises, ends, np.diff(ends, prepend=0), strict=True):
                 predicted[end - count : end] += normals[end - count : end] @ square_root(noise).T
             parts.append(predicted)
         return np.concatenate(parts)
@@ -82,17 +83,20 @@ class Experiment:
 
     def _log_joint(self, data: Array) -> Array:
         """Ln p(y, explanation) of data, shape (n, N) → (n, s)."""
-        logs = [np.log(each.explanation.probability) + logsumexp(each.log_densities(data), 1) for each in self._updated]
+        logs = [
+            np.log(update.explanation.probability) + logsumexp(update.log_densities(data), 1)
+            for update in self._updated
+        ]
         return np.stack(logs, axis=1)
 
     def means(self, data: Array) -> tuple[Array, ...]:
         """Posterior means of the parameters under each explanation, shape (n, k_s) each."""
-        return tuple(each.means(data) for each in self._updated)
+        return tuple(update.means(data) for update in self._updated)
 
     @property
     def covariances(self) -> tuple[Array, ...]:
         """Posterior covariances under each explanation, shape (k_s, k_s) each; no data change them."""
-        return tuple(each.covariance for each in self._updated)
+        return tuple(update.covariance for update in self._updated)
 
     def summaries(self, data: Array) -> Array:
         """Numbers that say of data what they mean, for regressions, shape (n, q).
@@ -102,8 +106,8 @@ class Experiment:
         """
         probabilities = self.probabilities(data)
         columns = []
-        for each, probability in zip(self._updated, probabilities.T, strict=True):
-            changes = (each.means(data) - each.explanation.mean) @ each.directions
+        for update, probability in zip(self._updated, probabilities.T, strict=True):
+            changes = (update.means(data) - update.explanation.mean) @ update.directions
             columns += [probability * column for column in polynomial(changes)]
         return np.stack(columns, axis=1)
 
@@ -114,12 +118,12 @@ class Experiment:
         gain in log probability over the draws.
         """
         after = self.probabilities(data)[np.arange(len(data)), draws.explanation]
-        before = np.array([each.probability for each in self.explanations])[draws.explanation]
+        before = np.array([explanation.probability for explanation in self.explanations])[draws.explanation]
         which = float(draws.weight @ np.log(np.maximum(after, 1e-300) / before))
         within, end = 0.0, 0
-        for each, own in zip(self._updated, draws.parameters, strict=True):
-            begin, end = end, end + len(own)
-            within += each.explanation.probability * each.information(own, data[begin:end])
+        for update, theta in zip(self._updated, draws.parameters, strict=True):
+            begin, end = end, end + len(theta)
+            within += update.explanation.probability * update.information(theta, data[begin:end])
         return max(which, 0.0) + within
 
 
@@ -191,9 +195,9 @@ def value_of_information(problem: DecisionProblem, summaries: Array) -> Saving:
     chosen = np.full(n, problem.choice)
     against = problem.losses - problem.losses[:, [problem.choice]]
     for part in range(FOLDS):
-        own = fold == part
-        fitted = _fit(summaries[~own], against[~own], problem.weight[~own])
-        chosen[own] = np.argmin(summaries[own] @ fitted, axis=1)
+        draws = fold == part
+        fitted = _fit(summaries[~draws], against[~draws], problem.weight[~draws])
+        chosen[draws] = np.argmin(summaries[draws] @ fitted, axis=1)
     saved = -against[np.arange(n), chosen]
     mean = float(problem.weight @ saved)
     error = float(np.sqrt(np.sum(np.square(problem.weight * (saved - mean)))))

@@ -108,10 +108,10 @@ class LegTrials(TrialKind):
     @cached_property
     def _legs(self) -> tuple[_Legs, ...]:
         course = math.atan2(*(self._ends[1] - self._ends[0]))
-        found = []
+        trials = []
         for length in self._lengths:
             for shape, headings in SHAPES.items():
-                found += [
+                trials += [
                     _Legs(
                         f"{shape} of {_metres(length)}{f', {times} times' if times > 1 else ''}",
                         course + np.radians(headings * times),
@@ -119,9 +119,9 @@ class LegTrials(TrialKind):
                     )
                     for times in (1, max(2, math.ceil(MIN_LEGS / len(headings))))  # these are a data set of their own
                 ]
-        mixed = [legs.halved(*other) for legs in found if legs.name.startswith(MIXED) for other in self._others]
+        mixed = [legs.halved(*other) for legs in trials if legs.name.startswith(MIXED) for other in self._others]
         length = LONG_LEG * self._usual_length
-        return (*found, *mixed, _Legs(f"one long leg of {_metres(length)}", np.array([course]), length))
+        return (*trials, *mixed, _Legs(f"one long leg of {_metres(length)}", np.array([course]), length))
 
     @property
     def _lengths(self) -> list[float]:
@@ -133,12 +133,12 @@ class LegTrials(TrialKind):
     @property
     def _others(self) -> list[tuple[str, str]]:
         """Speed and depth at which half of a trial may be sailed, each with its words."""
-        phase, found = self._phase, []
+        phase, others = self._phase, []
         if "speed" in self._as_written:
-            found.append(("speed", f"{CHANGED * float(phase.speed):.2g} m/s"))
+            others.append(("speed", f"{CHANGED * float(phase.speed):.2g} m/s"))
         if self.bound.data.depth is not None and (1.0 - CHANGED) * float(phase.depth) > LEAST_DEPTHS:
-            found.append(("depth", f"{CHANGED * float(phase.depth):.0f} m depth"))
-        return found
+            others.append(("depth", f"{CHANGED * float(phase.depth):.0f} m depth"))
+        return others
 
     @property
     def designs(self) -> Sequence[str]:
@@ -148,8 +148,8 @@ class LegTrials(TrialKind):
     def posterior(self, bound: DataKind, fit: CauseFit) -> Posterior:
         """Return what a fit of the legs says of its causes and of the mission's own effects."""
         model = cast("TransitKind", bound).model
-        known = {each.effect for each in held(model.given_in_mean, fit.causes)}
-        places = np.flatnonzero([c.effect in fit.causes or c.effect in known for c in model.coordinates])
+        mission_effects = {prior.effect for prior in held(model.given_in_mean, fit.causes)}
+        places = np.flatnonzero([c.effect in fit.causes or c.effect in mission_effects for c in model.coordinates])
         mean = model.expected.copy()
         mean[places] = fit.state.mean[places]
         return Posterior(places, mean, fit.state.covariance[np.ix_(places, places)])
@@ -165,16 +165,16 @@ class LegTrials(TrialKind):
         every effect differs from it in a new record by its spike, and so does the mission's current by its own
         uncertainty.
         """
-        found = []
-        for each in believed:
-            about, places = each.posterior.mean, each.posterior.places
-            model, size = cast("TransitKind", each.bound).model, 2 * data.n
+        predictions = []
+        for belief in believed:
+            about, places = belief.posterior.mean, belief.posterior.places
+            model, size = cast("TransitKind", belief.bound).model, 2 * data.n
             model = replace(model, data=data, base=np.zeros((2, data.n)), only=model.coordinates)
             columns = model.columns(about).reshape(size, -1)
             fresh = columns * _from_record_to_record(model)
-            noise = block_diag(*model.noise(each.fit.state.values)) + fresh @ fresh.T
-            found.append(Prediction(model.mean_error(about).ravel(), columns[:, places], noise))
-        return found
+            noise = block_diag(*model.noise(belief.fit.state.values)) + fresh @ fresh.T
+            predictions.append(Prediction(model.mean_error(about).ravel(), columns[:, places], noise))
+        return predictions
 
     def _planned(self, legs: _Legs) -> TransitData:
         """A record of these legs alone, sailed without error a day after the one so far."""
@@ -206,7 +206,7 @@ class LegTrials(TrialKind):
         corners = self._ends[0][:, None] + np.cumsum(
             legs.length * np.stack([np.sin(legs.courses), np.cos(legs.courses)]), axis=1
         )
-        own = self._as_written
+        transit = self._as_written
         phases: list[object] = []
         for index, (east, north) in enumerate(corners.T.tolist()):
             begin = {} if index else {"from": [f"{place:.1f} m" for place in self._ends[0].tolist()]}
@@ -216,7 +216,7 @@ class LegTrials(TrialKind):
                 share = float(np.broadcast_to(shares, len(legs.courses))[index])
                 if share != 1.0:
                     leg = {key: f"{share * float(getattr(self._phase, key)):.4g} {unit}"} | leg
-            phases.append({"transit": {**own, "name": f"leg-{index + 1}", **begin, **to, **leg}})
+            phases.append({"transit": {**transit, "name": f"leg-{index + 1}", **begin, **to, **leg}})
         kept = {key: value for key, value in raw.items() if key not in ("requirements", "sweep", "correlations")}
         return kept | {"name": f"Trial: {legs.name}", "phases": phases}
 
@@ -225,8 +225,8 @@ class LegTrials(TrialKind):
         """Keys of the first transit as the mission file has them, without those that a trial's leg has of its own."""
         written = self.bound.mission.raw["phases"]
         entries = written if isinstance(written, list) else []
-        own = next(entry["transit"] for entry in entries if isinstance(entry, dict) and "transit" in entry)
-        return {key: value for key, value in own.items() if key not in ("name", "from", "to", "d_max")}
+        transit = next(entry["transit"] for entry in entries if isinstance(entry, dict) and "transit" in entry)
+        return {key: value for key, value in transit.items() if key not in ("name", "from", "to", "d_max")}
 
     def alternatives(self) -> Alternatives:
         """Return maximum leg lengths, of all transits alike."""

@@ -108,7 +108,7 @@ class Updated:
 
     def log_densities(self, data: Array) -> Array:
         """Ln p(y, noise) of data, shape (n, N) → (n, g)."""
-        return self._with_noise([each.log_density(data) for each in self.at_noise])
+        return self._with_noise([case.log_density(data) for case in self.at_noise])
 
     def log_likelihoods(self, parameters: Array, data: Array) -> Array:
         """Ln p(y, noise | θ) of data, shape (n, N), at parameters, shape (n, k) → (n, g)."""
@@ -120,8 +120,8 @@ class Updated:
         """Posterior means, shape (n, k), over the noises as the data leave them."""
         shares = normalised(self.log_densities(data)) if len(self.at_noise) > 1 else np.ones((len(data), 1))
         changes = np.zeros((len(data), len(self.explanation.mean)))
-        for each, share in zip(self.at_noise, shares.T, strict=True):
-            changes += share[:, None] * ((data - self.prediction.centre) @ each.gain.T)
+        for case, share in zip(self.at_noise, shares.T, strict=True):
+            changes += share[:, None] * ((data - self.prediction.centre) @ case.gain.T)
         return np.asarray(self.explanation.mean + changes)
 
     def _averaged(self, values: Sequence[Array]) -> Array:
@@ -131,7 +131,7 @@ class Updated:
     @cached_property
     def covariance(self) -> Array:
         """Posterior covariance, the mean over the noises, shape (k, k)."""
-        return self.explanation.covariance - self._averaged([each.spread for each in self.at_noise])
+        return self.explanation.covariance - self._averaged([case.spread for case in self.at_noise])
 
     def information(self, parameters: Array, data: Array) -> float:
         """Information about the parameters, noise not known [nats].
@@ -141,16 +141,16 @@ class Updated:
 
         `parameters`, shape (n, k): drawn. `data`, shape (n, N): simulated with them.
         """
-        known = float(self.prediction.shares @ [each.information for each in self.at_noise])
+        information = float(self.prediction.shares @ [case.information for case in self.at_noise])
         if len(self.at_noise) == 1:
-            return known
+            return information
         left, left_with = self.log_densities(data), self.log_likelihoods(parameters, data)
-        return max(known - float(np.mean(_entropy(left) - _entropy(left_with))), 0.0)
+        return max(information - float(np.mean(_entropy(left) - _entropy(left_with))), 0.0)
 
     @cached_property
     def directions(self) -> Array:
         """Columns that whiten the posterior mean's changes, most informative first, shape (k, q)."""
-        spread = self._averaged([each.spread for each in self.at_noise])
+        spread = self._averaged([case.spread for case in self.at_noise])
         sd = np.sqrt(np.maximum(np.diag(self.explanation.covariance), 1e-300))
         values, vectors = np.linalg.eigh(spread / np.outer(sd, sd))
         kept = np.flatnonzero(values > SMALLEST_SHARE)[::-1]

@@ -67,23 +67,23 @@ def expected_by_vehicle(data: TransitData, mission: Mission) -> list[Array] | No
     compensation = scenario.compensation(scenario.transit())
     if compensation is None:
         return None
-    found, last_run, memory = [], -1, compensation.begin(1)
+    errors, last_run, memory = [], -1, compensation.begin(1)
     for leg in range(data.n):
         if data.run[leg] != last_run:
             memory, last_run = compensation.begin(1), int(data.run[leg])
-        start, reckoned, end = (each[:, leg : leg + 1] for each in (data.start, data.dead_reckoned, data.end))
+        start, reckoned, end = (points[:, leg : leg + 1] for points in (data.start, data.dead_reckoned, data.end))
         t, duration, through = data.t_start[leg : leg + 1], data.under_way[leg : leg + 1], reckoned - start
         planned = PlannedLeg(t, start, through, duration, reckoned, 0.0)
         if isinstance(compensation, DriftFilter):
             expected = compensation.expected(memory, planned)[0] * duration
         else:
             expected = compensation.offset(memory, planned) - compensation.undershoot(memory, planned)
-        found.append(np.broadcast_to(expected, (2, 1))[:, 0])
+        errors.append(np.broadcast_to(expected, (2, 1))[:, 0])
         memory = compensation.update(
             memory,
             CompletedLeg((end - reckoned) / duration, duration, np.zeros((2, 1)), end - reckoned, t, start, through),
         )
-    return found
+    return errors
 
 
 DRAWS = 256
@@ -97,11 +97,11 @@ def dive_ensemble(data: PreparedDives, mission: Mission, seed: int) -> Ensemble:
     """
     MooringMission.of(mission, depth=False)
     parts = []
-    for share, known in explained(mission):
-        drawn = Scenario.at_means(known).at_depth(0.0).sampled(seed=seed, block=0, size=DRAWS)
+    for share, plain_mission in explained(mission):
+        drawn = Scenario.at_means(plain_mission).at_depth(0.0).sampled(seed=seed, block=0, size=DRAWS)
         trials = DRAWS if drawn.draws else 1
         expected = np.concatenate([_readings(log, drawn, trials) for log in data.dives]).T
-        model = descent_model(data, known)
+        model = descent_model(data, plain_mission)
         spread = model.nuisance_sd(())  # nil for the mission's own effects: those are drawn
         noises = []
         for noise in noise_grid():
@@ -163,21 +163,21 @@ def score(
     seed = mission.monte_carlo.seed if seed is None else seed
     folders = [as_path(dataset, "dataset") for dataset in datasets]
     level = FALSE_ALARM / (2 * len(folders))
-    found = []
+    scores = []
     with threadpool_limits(limits=1), files_outside(allowed=allow_outside):
         for done, folder in enumerate(folders):
             record = read_record(folder, mission)
             then = as_then(record, mission, record.date)
-            known = int(is_learned(record, mission.learned_from).sum())
-            found.append(replace(scored_record(record, then, seed, level), learned=known))
+            learned_count = int(is_learned(record, mission.learned_from).sum())
+            scores.append(replace(scored_record(record, then, seed, level), learned=learned_count))
             if progress is not None:
                 progress(done + 1, len(folders))
     provenance = Run("score", mission, 0, seed, started=started).provenance(
         {"datasets": [str(folder) for folder in folders]},
         datasets=folders,
-        notices=(*mission.notices(), *dict.fromkeys(notice for each in found for notice in each.notices)),
+        notices=(*mission.notices(), *dict.fromkeys(notice for score in scores for notice in score.notices)),
     )
-    return Score(provenance, tuple(found))
+    return Score(provenance, tuple(scores))
 
 
 def read_record(folder: Path, mission: Mission) -> TransitData | PreparedDives:
@@ -213,9 +213,9 @@ def scored_record(
             others["vehicle"] = with_spread(list(error), expected, scales, first)
         places = np.tile(["east", "north"], record.n - past)
         count, values = record.n - past, ensemble.later(past).values
-        found = _scored(ensemble, bare, others, 2, seed, level, past)
+        scores = _scored(ensemble, bare, others, 2, seed, level, past)
         return DatasetScore(
-            record.name, "transit", count, np.repeat(record.labels[past:], 2), places, values, *found, record.notices
+            record.name, "transit", count, np.repeat(record.labels[past:], 2), places, values, *scores, record.notices
         )
     return _score_dives(record, mission, seed, level, past)
 
@@ -232,24 +232,24 @@ def _score_dives(data: PreparedDives, mission: Mission, seed: int, level: float,
     first = float(np.sqrt(np.mean(without_past(ensemble).sd ** 2)))
     others = {
         name: replace(point, mean=point.mean + expected.mean)
-        for name, point in yardsticks(apart, carried, [np.ones_like(each) for each in apart], first).items()
+        for name, point in yardsticks(apart, carried, [np.ones_like(curve) for curve in apart], first).items()
     }
     dives, values = data.dives[past:], ensemble.later(past).values
     places = np.concatenate([np.char.mod("%.2f", log.t) for log in dives])
     labels = np.concatenate([np.full(len(log.t), log.name) for log in dives])
-    found = _scored(ensemble, bare, others, 1, seed, level, past)
-    return DatasetScore(data.name, "descent", len(dives), labels, places, values, *found, data.notices)
+    scores = _scored(ensemble, bare, others, 1, seed, level, past)
+    return DatasetScore(data.name, "descent", len(dives), labels, places, values, *scores, data.notices)
 
 
 def _scored(
     ensemble: Ensemble, bare: Ensemble, others: dict[str, Point], axes: int, seed: int, level: float, past: int
 ) -> tuple[Prediction, Prediction, float]:
     """Score both predictions beside the yardsticks; `axes` values are the components of one error."""
-    known, unknown = ensemble.after(past), ensemble.later(past)
-    y, rows = known.values, slice(len(ensemble.values) - len(known.values), None)
-    ahead, whole = one_step_ahead(known), without_past(unknown)
+    conditional, unknown = ensemble.after(past), ensemble.later(past)
+    y, rows = conditional.values, slice(len(ensemble.values) - len(conditional.values), None)
+    ahead, whole = one_step_ahead(conditional), without_past(unknown)
     plain_ahead = one_step_ahead(bare).mixture.of(rows)
-    chance = one_step_chance(known, ahead, seed, level)
+    chance = one_step_chance(conditional, ahead, seed, level)
     common = {}
     for name, point in others.items():
         mixture = Mixture(np.ones((1, len(point.mean))), point.mean[None], np.maximum(point.sd, 1e-9)[None])
@@ -269,13 +269,13 @@ def _yardstick(mixture: Mixture, y: Array, axes: int) -> Yardstick:
 def _prediction(
     mixture: Mixture, y: Array, axes: int, chance: Chance, level: float, others: dict[str, Yardstick]
 ) -> Prediction:
-    own, pit = _yardstick(mixture, y, axes), mixture.cdf(y)
+    scores, pit = _yardstick(mixture, y, axes), mixture.cdf(y)
     inside_50, inside_90 = (int(np.count_nonzero(np.abs(pit - 0.5) <= 0.5 * share)) for share in (0.5, STATED))
     z = (y - mixture.mean) / mixture.sd
     return Prediction(
-        own.rmse,
-        own.log_score,
-        own.crps,
+        scores.rmse,
+        scores.log_score,
+        scores.crps,
         inside_50,
         inside_90,
         chance.coverage_90,

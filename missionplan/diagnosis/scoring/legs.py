@@ -62,7 +62,7 @@ def leg_errors(
     The mission's first transit along the legs of a log.
     """
     plan, environment = scenario.transit_plan(scenario.transit()), Environment(scenario.current, None, tuple(effects))
-    found = np.zeros((data.n, 2, trials))
+    errors = np.zeros((data.n, 2, trials))
     for run in np.unique(data.run):  # what persists begins anew with each run
         moved = GroundVelocity(plan, environment, normals, trials)
         for leg in np.flatnonzero(data.run == run).tolist():
@@ -70,13 +70,13 @@ def leg_errors(
             t, duration = np.full(trials, data.t_start[leg]), np.full(trials, seconds)
             start = np.repeat(data.start[:, leg : leg + 1], trials, axis=1)
             through = np.repeat((data.dead_reckoned - data.start)[:, leg : leg + 1], trials, axis=1)
-            speed, own = float(np.hypot(*through[:, 0])) / seconds, normals.velocity.leg(leg)
-            error = moved.of_leg(leg, own[:, :trials], t, duration, start, through, speed) * seconds
+            speed, leg_normals = float(np.hypot(*through[:, 0])) / seconds, normals.velocity.leg(leg)
+            error = moved.of_leg(leg, leg_normals[:, :trials], t, duration, start, through, speed) * seconds
             if surface > 0.0:
                 afloat = GroundVelocity(replace(plan, surfacing_time=surface), environment, normals, trials)
                 error = error + afloat.at_surface(t + duration, start + through) * surface
-            found[leg] = error
-    return found
+            errors[leg] = error
+    return errors
 
 
 def leg_ensemble(data: TransitData, mission: Mission, seed: int) -> Ensemble:
@@ -89,8 +89,8 @@ def leg_ensemble(data: TransitData, mission: Mission, seed: int) -> Ensemble:
     if means.current is not None:
         check_cover(data, means.current, float(np.mean(means.transit().depth)), mission)
     parts = []
-    for share, known in explained(mission):
-        drawn = Scenario.at_means(known, recorded).sampled(seed=seed, block=0, size=DRAWS)
+    for share, plain_mission in explained(mission):
+        drawn = Scenario.at_means(plain_mission, recorded).sampled(seed=seed, block=0, size=DRAWS)
         trials = DRAWS if drawn.draws else 1
         every = drawn.effects_under_way(drawn.transit())
         effects = [effect for effect in every if not _scales_tails(effect)]  # in whose normals the errors are linear
@@ -98,12 +98,12 @@ def leg_ensemble(data: TransitData, mission: Mission, seed: int) -> Ensemble:
         normals = TransitNormals(still, effects=(still,) * len(effects))
         expected = leg_errors(data, drawn, effects, normals, trials).reshape(-1, trials).T
         count = min(trials, int(np.clip(LEGS_TIMES_NOISES // data.n, *NOISES)))
-        found = _noises_of(data, drawn, range(min(count, 2)))
-        if len(found) == 2 and np.allclose(found[0].covariance, found[1].covariance, rtol=1e-9):
-            found = found[:1]
+        noises = _noises_of(data, drawn, range(min(count, 2)))
+        if len(noises) == 2 and np.allclose(noises[0].covariance, noises[1].covariance, rtol=1e-9):
+            noises = noises[:1]
         else:
-            found += _noises_of(data, drawn, range(2, count))
-        parts.append(Part(share, expected, tuple(replace(noise, weight=1.0 / len(found)) for noise in found)))
+            noises += _noises_of(data, drawn, range(2, count))
+        parts.append(Part(share, expected, tuple(replace(noise, weight=1.0 / len(noises)) for noise in noises)))
     error = data.end - data.dead_reckoned
     return Ensemble(error.T.ravel(), np.repeat(np.arange(data.n), 2), tuple(parts))
 
@@ -121,7 +121,7 @@ def _noises_of(data: TransitData, drawn: Scenario, draws: Sequence[int]) -> list
     size = 2 * data.n
     trials = size * (1 + len(random)) + 1  # the last: no error at all
     most = max(1, TOGETHER // trials)
-    found = []
+    noises = []
     for some in (draws[begin : begin + most] for begin in range(0, len(draws), most)):
         velocity, *sources = (
             SingleLegs(data.n, trials, None if first is None else size * first, len(some))
@@ -132,9 +132,9 @@ def _noises_of(data: TransitData, drawn: Scenario, draws: Sequence[int]) -> list
         acting = [effects[index] for index in linear]
         normals = TransitNormals(velocity, effects=tuple(sources))
         errors = leg_errors(data, together, acting, normals, trials * len(some))
-        each = np.moveaxis(errors.reshape(size, len(some), trials), 1, 0)
-        found += [_noise(data, _with_draws(drawn, draw), own) for draw, own in zip(some, each, strict=True)]
-    return found
+        by_draw = np.moveaxis(errors.reshape(size, len(some), trials), 1, 0)
+        noises += [_noise(data, _with_draws(drawn, draw), errors) for draw, errors in zip(some, by_draw, strict=True)]
+    return noises
 
 
 def _with_draws(drawn: Scenario, draws: NDArray[np.intp] | int) -> Scenario:
@@ -168,10 +168,10 @@ def _fix_covariance(data: TransitData, scenario: Scenario, effects: Iterable[Tra
     """
     extra = sum(float(np.mean(effect.fix_variance())) for effect in effects)
     stated = data.typical_fix_sd
-    own = float(np.mean(scenario.fix_error)) if stated is None else stated
-    after = own * data.fix_scale
+    fix_sd = float(np.mean(scenario.fix_error)) if stated is None else stated
+    after = fix_sd * data.fix_scale
     shares = np.append(False, np.all(data.end[:, :-1] == data.start[:, 1:], axis=0) & (data.run[:-1] == data.run[1:]))
-    before = np.where(shares, np.append(own, after[:-1]), own)
+    before = np.where(shares, np.append(fix_sd, after[:-1]), fix_sd)
     total = np.diag(before**2 + after**2 + 2.0 * extra)
     later = np.flatnonzero(shares)
     total[later, later - 1] = total[later - 1, later] = -(before[later] ** 2 + extra)

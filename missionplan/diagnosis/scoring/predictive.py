@@ -24,19 +24,19 @@ from missionplan.mission.schema.effect_list import EffectList
 def explained(mission: Mission) -> list[tuple[float, Mission]]:
     """Return the mission under each combination of its explanations, with the probability that it holds."""
     doubts = [doubt for doubt in mission.doubts if doubt.known is None]
-    found = []
+    missions = []
     for numbers in product(*(range(len(doubt.probabilities)) for doubt in doubts)):
-        share, known = 1.0, mission
+        share, plain_mission = 1.0, mission
         for doubt, number in zip(doubts, numbers, strict=True):
-            share, known = share * doubt.probabilities[number], known.knowing(doubt.place, number)
+            share, plain_mission = share * doubt.probabilities[number], plain_mission.knowing(doubt.place, number)
         if share > 0.0:
-            found.append((share, known))
-    return found
+            missions.append((share, plain_mission))
+    return missions
 
 
 def bare_mission(mission: Mission) -> Mission:
     """Return the mission without its effects."""
-    kept = tuple(each for each in mission.correlations if not any(path.startswith("effects") for path in each.between))
+    kept = tuple(pair for pair in mission.correlations if not any(path.startswith("effects") for path in pair.between))
     return mission.model_copy(update={"effect_list": EffectList(), "correlations": kept})
 
 
@@ -123,8 +123,8 @@ def _given(first: Array, part: Part, noise: Noise) -> Part:
     seen, rest = slice(len(first)), slice(len(first), None)
     shared = noise.covariance[seen, rest]
     gain = np.linalg.solve(_definite(noise.covariance[seen, seen]), shared)
-    own = _rows(noise, rest)
-    left = replace(own, weight=1.0, covariance=own.covariance - shared.T @ gain)
+    rest_noise = _rows(noise, rest)
+    left = replace(rest_noise, weight=1.0, covariance=rest_noise.covariance - shared.T @ gain)
     draws = part.draws[:, rest] + (first - part.draws[:, seen]) @ gain
     return Part(part.probability * noise.weight, draws, (left,))
 
@@ -233,31 +233,31 @@ def one_step_ahead(ensemble: Ensemble) -> OneStep:
     groups, y = ensemble.slices(), ensemble.values
     means, log_weights, scaled, roots = [], [], [], []
     # normal distributions: the draws by their mean and covariance, each noise by itself
-    for part, noise in [(each, noise) for each in ensemble.parts for noise in each.noises]:
+    for part, noise in [(explanation, noise) for explanation in ensemble.parts for noise in explanation.noises]:
         mean = part.draws.mean(axis=0)
         apart = part.draws - mean
         spread = apart.T @ apart / max(len(apart) - 1, 1)
         factor = np.linalg.cholesky(_definite(spread + noise.covariance))
         z = solve_triangular(factor, y - mean, lower=True, check_finite=False)
-        own = [np.asarray(factor[rows, rows], dtype=float) for rows in groups]
-        innovation = np.concatenate([root @ z[rows] for root, rows in zip(own, groups, strict=True)])
+        blocks = [np.asarray(factor[rows, rows], dtype=float) for rows in groups]
+        innovation = np.concatenate([root @ z[rows] for root, rows in zip(blocks, groups, strict=True)])
         logs = np.array(
-            [-0.5 * z[rows] @ z[rows] - np.log(np.diag(root)).sum() for root, rows in zip(own, groups, strict=True)]
+            [-0.5 * z[rows] @ z[rows] - np.log(np.diag(root)).sum() for root, rows in zip(blocks, groups, strict=True)]
         )
-        known = np.append(0.0, np.cumsum(logs)[:-1])
-        variance = np.concatenate([np.sum(root**2, axis=1) for root in own])
+        past = np.append(0.0, np.cumsum(logs)[:-1])
+        variance = np.concatenate([np.sum(root**2, axis=1) for root in blocks])
         means.append(y - innovation)
-        log_weights.append(float(np.log(part.probability * noise.weight)) + known)
+        log_weights.append(float(np.log(part.probability * noise.weight)) + past)
         change = (noise.scales[:, None] ** 2 - 1.0) * np.minimum(noise.tailed, variance)
         scaled.append(np.sqrt(np.maximum(variance + change, 1e-12 * variance)))
-        roots.append(own)
+        roots.append(blocks)
     logs = np.array(log_weights)
     weights = np.exp(logs - logsumexp(logs, axis=0))
-    sizes = np.array([len(own) for own in scaled])  # each component at so many equally likely scales of its tails
+    sizes = np.array([len(sds) for sds in scaled])  # each component at so many equally likely scales of its tails
     shares = np.repeat(weights[:, ensemble.groups] / sizes[:, None], sizes, axis=0)
     mixture = Mixture(shares, np.repeat(np.array(means), sizes, axis=0), np.concatenate(scaled))
-    each = [own for own, size in zip(roots, sizes, strict=True) for _ in range(size)]
-    return OneStep(mixture, each, float(1.0 / np.sum(weights[:, -1] ** 2)))
+    component_roots = [blocks for blocks, size in zip(roots, sizes, strict=True) for _ in range(size)]
+    return OneStep(mixture, component_roots, float(1.0 / np.sum(weights[:, -1] ** 2)))
 
 
 def without_past(ensemble: Ensemble) -> Mixture:
@@ -267,10 +267,10 @@ def without_past(ensemble: Ensemble) -> Mixture:
         for share, mean, noise in paired(part, max(1, int(WHOLE_COMPONENTS * part.probability))):
             variance = np.diag(noise.covariance)
             change = (noise.scales[:, None] ** 2 - 1.0) * np.minimum(noise.tailed, variance)
-            own = np.sqrt(np.maximum(variance + change, 1e-12 * variance + 1e-18))
-            weights += [part.probability * share / len(own)] * len(own)
-            means += [mean] * len(own)
-            sds += list(own)
+            spreads = np.sqrt(np.maximum(variance + change, 1e-12 * variance + 1e-18))
+            weights += [part.probability * share / len(spreads)] * len(spreads)
+            means += [mean] * len(spreads)
+            sds += list(spreads)
     wide = np.repeat(np.array(weights)[:, None], len(ensemble.values), axis=1)
     return Mixture(wide / wide.sum(axis=0), np.array(means), np.array(sds))
 

@@ -56,20 +56,20 @@ def yardsticks(values: Sequence[Array], past: Past, scales: Sequence[Array], fir
     nothing = np.zeros_like(values[0])
 
     def by(weights: Callable[[int], Array]) -> list[Point]:
-        means = [_weighted(each, weights, own) for each, own in zip(carried, values, strict=True)]
+        means = [_weighted(series, weights, value) for series, value in zip(carried, values, strict=True)]
         return _with_spread(values, means, scales, first_sd)
 
     by_gain = [by(partial(random_walk, gain)) for gain in GAINS.tolist()]
     by_memory = [by(partial(persistent, gain, kept)) for gain in GAINS[1::2].tolist() for kept in MEMORIES]
-    averages = [np.asarray(np.mean(each, axis=0)) if each else nothing for each in carried]
-    found = {
+    averages = [np.asarray(np.mean(series, axis=0)) if series else nothing for series in carried]
+    by_name = {
         "mean_of_past": _with_spread(values, averages, scales, first_sd),
-        "last_leg": _with_spread(values, [each[-1] if each else nothing for each in carried], scales, first_sd),
+        "last_leg": _with_spread(values, [series[-1] if series else nothing for series in carried], scales, first_sd),
         "random_walk": _best_so_far(values, by_gain),
         "persistent": _best_so_far(values, by_memory),
         "wider_sigma": _with_spread(values, [np.zeros_like(value) for value in values], scales, first_sd),
     }
-    return {name: _joined(points) for name, points in found.items()}
+    return {name: _joined(points) for name, points in by_name.items()}
 
 
 def with_spread(values: Sequence[Array], means: Sequence[Array], scales: Sequence[Array], first_sd: float) -> Point:
@@ -104,24 +104,24 @@ def _with_spread(
     values: Sequence[Array], means: Sequence[Array], scales: Sequence[Array], first_sd: float
 ) -> list[Point]:
     """Add the spread of the errors before each group."""
-    total, count, found = first_sd**2, 1, []
+    total, count, points = first_sd**2, 1, []
     for value, mean, scale in zip(values, means, scales, strict=True):
-        found.append(Point(mean, scale * np.sqrt(total / count)))
-        if len(found) > 1:  # the first has no past: its error is not that of the method
+        points.append(Point(mean, scale * np.sqrt(total / count)))
+        if len(points) > 1:  # the first has no past: its error is not that of the method
             total, count = total + float(np.sum(((value - mean) / scale) ** 2)), count + value.size
-        if len(found) == 2:
+        if len(points) == 2:
             total, count = total - first_sd**2, count - 1
-    return found
+    return points
 
 
 def _best_so_far(values: Sequence[Array], by_gain: Sequence[list[Point]]) -> list[Point]:
     """For each group the gain that has predicted those before it best."""
-    scores, found = np.zeros(len(by_gain)), []
+    scores, best_points = np.zeros(len(by_gain)), []
     for group, value in enumerate(values):
-        found.append(by_gain[int(np.argmax(scores))][group])
+        best_points.append(by_gain[int(np.argmax(scores))][group])
         for index, points in enumerate(by_gain):
             scores[index] += float(np.sum(log_density(value, points[group])))
-    return found
+    return best_points
 
 
 def log_density(value: Array, point: Point) -> Array:
@@ -149,7 +149,7 @@ class Chance:
     """Shares of values inside 90 % intervals that chance allows."""
 
 
-def one_step_chance(ensemble: Ensemble, found: OneStep, seed: int, level: float) -> Chance:
+def one_step_chance(ensemble: Ensemble, predictions: OneStep, seed: int, level: float) -> Chance:
     """Compare a record, one step ahead, with records drawn from the predictions.
 
     Given its past, the transforms of a group are independent of those of earlier ones, if the mission is true
@@ -158,13 +158,13 @@ def one_step_chance(ensemble: Ensemble, found: OneStep, seed: int, level: float)
     `level` is the probability with which the coverage of a true mission is outside of what is said to be allowed.
     """
     generator = np.random.default_rng([seed, 1])
-    mixture, drawn = found.mixture, np.empty((RECORDS, len(ensemble.values)))
+    mixture, drawn = predictions.mixture, np.empty((RECORDS, len(ensemble.values)))
     for group, rows in enumerate(ensemble.slices()):
         weights = mixture.weights[:, rows.start]
         counts = generator.multinomial(RECORDS, weights / weights.sum())
         parts = []
         for index in np.flatnonzero(counts).tolist():
-            root = found.roots[index][group]
+            root = predictions.roots[index][group]
             wider = mixture.sds[index, rows] / np.sqrt(np.sum(root**2, axis=1))
             normals = generator.standard_normal((counts[index], len(root)))
             parts.append(mixture.means[index, rows] + normals @ root.T * wider)
@@ -175,7 +175,7 @@ def one_step_chance(ensemble: Ensemble, found: OneStep, seed: int, level: float)
 def whole_chance(ensemble: Ensemble, mixture: Mixture, seed: int, level: float) -> Chance:
     """Compare a record, all the way, with whole records drawn from the mission; parameters as of `one_step_chance`."""
     generator = np.random.default_rng([seed, 2])
-    found = []
+    records = []
     for part in ensemble.parts:
         noises = {id(noise): noise for noise in part.noises}
         jitter = 1e-10 * np.eye(len(ensemble.values))
@@ -186,8 +186,8 @@ def whole_chance(ensemble: Ensemble, mixture: Mixture, seed: int, level: float) 
         for share, mean, noise in paired(part, RECORDS):
             count = generator.poisson(RECORDS * part.probability * share)
             if count:
-                found.append(mean + generator.standard_normal((count, len(mean))) @ roots[id(noise)].T)
-    return _compared(mixture, ensemble.values, np.concatenate(found), level)
+                records.append(mean + generator.standard_normal((count, len(mean))) @ roots[id(noise)].T)
+    return _compared(mixture, ensemble.values, np.concatenate(records), level)
 
 
 def _compared(mixture: Mixture, y: Array, drawn: Array, level: float) -> Chance:

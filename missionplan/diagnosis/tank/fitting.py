@@ -121,21 +121,21 @@ class LinearData:
         rows = [self.groups == name for name in dict.fromkeys(self.groups.tolist())]
         both = np.concatenate([(self.columns * self.prior)[:, self.shared], self.y[:, None]], axis=1)
         random = (self.columns * self.prior)[:, ~self.shared]
-        errors = [BlockCovariance.independent(self.sd[own], random[own]) for own in rows]
-        white = [each.whitened(both[own]) for own, each in zip(rows, errors, strict=True)]
-        found = []
-        for k, own in enumerate(rows):
+        errors = [BlockCovariance.independent(self.sd[group], random[group]) for group in rows]
+        white = [covariance.whitened(both[group]) for group, covariance in zip(rows, errors, strict=True)]
+        predictions = []
+        for k, group in enumerate(rows):
             seen = np.concatenate(white[:k] + white[k + 1 :])
             _, mean, root = _posterior(seen[:, -1], seen[:, :-1])
             columns, values = white[k][:, :-1], white[k][:, -1]
             expected = BlockCovariance.independent(np.ones(len(values)), columns @ root)
             log_score = float(expected.log_densities((values - columns @ mean)[:, None])[0])
             log_score -= 0.5 * errors[k].log_determinant
-            fixed, free = (self.columns[own][:, part] * self.prior[part] for part in (self.shared, ~self.shared))
-            variance = np.sum((fixed @ root) ** 2, axis=1) + np.sum(free**2, axis=1) + self.sd[own] ** 2
-            inside = int(np.sum(np.abs(self.y[own] - fixed @ mean) <= QUANTILE_95 * np.sqrt(variance)))
-            found.append(GroupPrediction(own, self.prior[self.shared] * mean, log_score, inside))
-        return found
+            fixed, free = (self.columns[group][:, part] * self.prior[part] for part in (self.shared, ~self.shared))
+            variance = np.sum((fixed @ root) ** 2, axis=1) + np.sum(free**2, axis=1) + self.sd[group] ** 2
+            inside = int(np.sum(np.abs(self.y[group] - fixed @ mean) <= QUANTILE_95 * np.sqrt(variance)))
+            predictions.append(GroupPrediction(group, self.prior[self.shared] * mean, log_score, inside))
+        return predictions
 
 
 SEARCH = GaussNewtonOptions(
@@ -194,8 +194,8 @@ class TankFitting:
     @cached_property
     def coordinates(self) -> tuple[Coordinate, ...]:
         """Coordinates of the candidates, without the nuisance parameters."""
-        found = (c for name in self.candidates for c in coordinates_of(CATALOGUE[name]))
-        return tuple(replace(c, spike=CATALOGUE[c.effect].parameters[c.name].tank_spike or c.spike) for c in found)
+        originals = (c for name in self.candidates for c in coordinates_of(CATALOGUE[name]))
+        return tuple(replace(c, spike=CATALOGUE[c.effect].parameters[c.name].tank_spike or c.spike) for c in originals)
 
     @property
     def fixed(self) -> int:
@@ -204,9 +204,9 @@ class TankFitting:
 
     def prior(self, causes: Causes) -> Prior:
         """Prior of the coordinates; what the mission knows of several together it knows of each."""
-        own = replace(coordinate_prior(self.coordinates, causes, self.given), tied=())
+        prior = replace(coordinate_prior(self.coordinates, causes, self.given), tied=())
         nuisances = self.forward.nuisances
-        return own.preceded(np.array([n.centre for n in nuisances]), np.array([n.sd for n in nuisances]))
+        return prior.preceded(np.array([n.centre for n in nuisances]), np.array([n.sd for n in nuisances]))
 
     def is_of(self, causes: Causes, index: int) -> bool:
         """Whether a coordinate is one of the causes'."""
@@ -217,7 +217,7 @@ class TankFitting:
 
         An effect without a strength is present as a cause, or as the mission's own, only.
         """
-        shown = {*causes, *(each.effect for each in held(self.given, causes))}
+        shown = {*causes, *(prior.effect for prior in held(self.given, causes))}
         parameters = parameters_from(self.coordinates, list(settings[self.fixed :]))
         present = {
             name: values
@@ -253,18 +253,18 @@ class TankFitting:
         except np.linalg.LinAlgError as error:
             return FailedFit(causes, str(error))
         residuals, factor = self.forward.y - best.prediction, float(self.noise_factors[whole.noise])
-        own = replace(whole.marginal, mean=chosen.centre + whole.marginal.mean)
-        state = TankState(best.at, residuals, best.jacobian, active, factor, whole.prior_sd, own)
+        posterior = replace(whole.marginal, mean=chosen.centre + whole.marginal.mean)
+        state = TankState(best.at, residuals, best.jacobian, active, factor, whole.prior_sd, posterior)
         cut = self._posterior(active, whole.inside.mean, whole.inside.covariance)
-        record = self._posterior(active, own.mean, own.covariance)
+        record = self._posterior(active, posterior.mean, posterior.covariance)
         rows = [k for k, coordinate in enumerate(cut.coordinates) if coordinate.effect in causes]
-        found = estimates([cut.coordinates[k] for k in rows], cut.mean[rows], cut.covariance[np.ix_(rows, rows)])
-        known = held(self.given, causes)
-        given, together, possible = record.known(known), record.afterwards(known, rows), is_possible(found)
+        parameters = estimates([cut.coordinates[k] for k in rows], cut.mean[rows], cut.covariance[np.ix_(rows, rows)])
+        priors = held(self.given, causes)
+        after, together, possible = record.known(priors), record.afterwards(priors, rows), is_possible(parameters)
         constants = {n.name: float(v) for n, v in zip(self.forward.nuisances, state.at, strict=False)}
         noise = float(np.median(self.forward.sd)) * state.factor
         calibration = constants | {f"noise_{self.forward.quantity}": noise}
-        return CauseFit(causes, whole.log_evidence, found, calibration, possible, state, given, together)
+        return CauseFit(causes, whole.log_evidence, parameters, calibration, possible, state, after, together)
 
     def _search(self, causes: Causes, starts: Sequence[Start]) -> list[GaussNewtonResult]:
         """Search from every start; each is a group of its own, so that none is abandoned."""
@@ -276,8 +276,8 @@ class TankFitting:
 
     def plain_residuals(self) -> Array:
         """Residuals of the base model, its nuisance parameters fitted, shape (N,) [SI]."""
-        (found,) = self._search((), [Start(self.prior(()).centre, np.arange(self.fixed), 0)])
-        return np.asarray(self.forward.y - found.prediction)
+        (result,) = self._search((), [Start(self.prior(()).centre, np.arange(self.fixed), 0)])
+        return np.asarray(self.forward.y - result.prediction)
 
     def _starting_points(self, causes: Causes, near: Sequence[CauseFit]) -> list[Array]:
         """Points to search from: where fits of the set's parts ended, and every start of the causes' parameters."""
@@ -290,7 +290,7 @@ class TankFitting:
             if c.kind == "shape":
                 starts = tuple(c.centre + shift for shift in SHAPE_SHIFTS)
             choices.append((*starts, here) if c.effect in causes else (here,))
-        return [np.concatenate([begin[: self.fixed], own]) for own in itertools.product(*choices)]
+        return [np.concatenate([begin[: self.fixed], choice]) for choice in itertools.product(*choices)]
 
     @property
     def _noise_log_sd(self) -> float:

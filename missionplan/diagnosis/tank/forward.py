@@ -171,11 +171,11 @@ def drag_forward(
     further measurement.
     """
     speed, force = speed_factor * data.columns["speed_m_s"], data.columns["force_n"]
-    known = vehicle.drag if vehicle is not None else None
-    coefficient = mean_of(known.coefficient) if known is not None else None
+    drag = vehicle.drag if vehicle is not None else None
+    coefficient = mean_of(drag.coefficient) if drag is not None else None
     # force for a coefficient of 1, and Reynolds numbers over the one at which the coefficient is stated
-    exponent = mean_of(known.exponent) if known is not None else 0.0
-    area = settings.reference_area if known is None else known.area / settings.scale**2
+    exponent = mean_of(drag.exponent) if drag is not None else 0.0
+    area = settings.reference_area if drag is None else drag.area / settings.scale**2
     reynolds = np.asarray(reynolds_number(speed, settings.reference_length, data.viscosity))
     stated_at = drag_reynolds(data, settings, vehicle)
     unit = np.asarray(
@@ -248,13 +248,13 @@ def oscillation_forward(
     heavier = stiffness / (2.0 * math.pi * begin["frequency"]) ** 2 / mass - 1.0
     (sd, stated), spread = noise_sd(record, settings.noise.displacement), float(np.std(record))
     # for each strength that adds to the oscillating mass, where it alone gives the measured frequency
-    found: dict[tuple[str, str], tuple[float, ...]] = {}
+    starts: dict[tuple[str, str], tuple[float, ...]] = {}
     for info in effects_seen_in("free-oscillation"):
         for name in info.parameters:
             for effect in descent_effects([info.make({name: 1.0})]):
                 added = float(np.asarray(effect.mass_factor())) - 1.0
                 if added:
-                    found[info.id, name] = (heavier / added,)
+                    starts[info.id, name] = (heavier / added,)
     return TankForward(
         kind="free-oscillation",
         record=TankRecord(),
@@ -271,14 +271,14 @@ def oscillation_forward(
         predict=partial(oscillation, time, stiffness, mass, release_factor),
         axes={"time": time},
         groups=row_blocks(len(time)),
-        starts=found,
+        starts=starts,
     )
 
 
 def base_mass(settings: OscillationSettings, vehicle: Vehicle | None) -> float:
     """Mass in air, and the added mass in surge that the vehicle file already has, at the tank's scale [kg]."""
-    known = vehicle.added_mass.surge if vehicle is not None and vehicle.added_mass is not None else None
-    return settings.mass + (mean_of(known) / settings.scale**3 if known is not None else 0.0)
+    surge = vehicle.added_mass.surge if vehicle is not None and vehicle.added_mass is not None else None
+    return settings.mass + (mean_of(surge) / settings.scale**3 if surge is not None else 0.0)
 
 
 def full_size_added_mass(

@@ -47,37 +47,37 @@ from missionplan.studies.identification import TURN, TransientRun
 def vehicle_keys(mission: Mission, best: CauseFit) -> dict[str, VehicleKey]:
     """Return the key of the vehicle's file that states an effect found, by the effect; none of those carried so far."""
     carried = {entry.effect for entry in mission.effect_list.known}
-    found = {estimate.effect for estimate in (*best.given, *best.estimates)} - carried
-    return {name: CATALOGUE[name].vehicle_key for name in found if CATALOGUE[name].vehicle_key}
+    names = {estimate.effect for estimate in (*best.given, *best.estimates)} - carried
+    return {name: CATALOGUE[name].vehicle_key for name in names if CATALOGUE[name].vehicle_key}
 
 
 def _drag(
     vehicle: Vehicle,
     settings: DragSettings,
-    own: Mapping[VehicleKey, ParameterEstimate],
+    estimates: Mapping[VehicleKey, ParameterEstimate],
     calibration: Mapping[str, float],
     data: TankData,
 ) -> dict[str, object]:
     """The vehicle's ``drag``: its coefficient times the bias, and the exponent about the middle of the speeds towed."""
-    known = vehicle.drag
-    level = mean_of(known.coefficient) if known is not None else calibration["drag_coefficient"]
-    area = known.area if known is not None else settings.reference_area * settings.scale**2
-    bias, change = own.get("drag.coefficient"), own.get("drag.exponent")
+    drag = vehicle.drag
+    level = mean_of(drag.coefficient) if drag is not None else calibration["drag_coefficient"]
+    area = drag.area if drag is not None else settings.reference_area * settings.scale**2
+    bias, change = estimates.get("drag.coefficient"), estimates.get("drag.exponent")
     mean = float(f"{level * (1.0 + (bias.value if bias is not None else 0.0)):.5g}")
     sd = level * bias.sd if bias is not None else 0.0
     coefficient = {"mean": mean, "sd": float(f"{sd:.3g}")} if sd else mean
-    found: dict[str, object] = {"coefficient": coefficient, "area": f"{area:.6g} m^2"}
-    power = mean_of(known.exponent) if known is not None else 0.0
+    section: dict[str, object] = {"coefficient": coefficient, "area": f"{area:.6g} m^2"}
+    power = mean_of(drag.exponent) if drag is not None else 0.0
     exponent: float | dict[str, float] = power
     if change is not None:
         exponent = {"mean": float(f"{power + change.value:.4g}"), "sd": float(f"{change.sd:.3g}")}
     if not exponent:  # the drag does not depend on the Reynolds number
-        return found
-    length = known.length if known is not None else None
+        return section
+    length = drag.length if drag is not None else None
     if length is None:
         length = settings.reference_length * settings.scale
     at_reynolds = drag_reynolds(data, settings, vehicle)
-    return {**found, "exponent": exponent, "at_reynolds": at_reynolds, "length": f"{length:.6g} m"}
+    return {**section, "exponent": exponent, "at_reynolds": at_reynolds, "length": f"{length:.6g} m"}
 
 
 MASS_FACTORS = (1e-4, 1e4)
@@ -95,7 +95,7 @@ def _thrust(run: TransientRun, water_mass: float, values: Array, effects: Sequen
         return np.stack([run.quasi_steady(pair) for pair in values.T], axis=1)
     masses = np.broadcast_to(water_mass * np.clip(sum(factors), *MASS_FACTORS), values.shape[1:])
     constants = (np.array([*pair, mass]) for pair, mass in zip(values.T, masses, strict=True))
-    return np.stack([run.axial_flow(each) for each in constants], axis=1)
+    return np.stack([run.axial_flow(triple) for triple in constants], axis=1)
 
 
 UNITS = {"force_n": ("the drag", "N"), "displacement_m": ("the displacement", "m"), "thrust_n": ("the thrust", "N")}
@@ -117,18 +117,18 @@ class TankKind(DataKind):
         then = as_then(data, mission, data.date)
         forward = tank_forward(data, then)
         effects = [CATALOGUE[name] for name in forward.candidates]
-        given = given_priors(then, effects)
-        check_together(given, then, "tank")
-        own = {entry.effect for entry in then.effect_list.known}
+        priors = given_priors(then, effects)
+        check_together(priors, then, "tank")
+        mission_effects = {entry.effect for entry in then.effect_list.known}
         for info in effects:  # stated by a key of the vehicle file: no change on its mean, with its uncertainty
-            if info.vehicle_key and info.id not in own and then.vehicle is not None:
+            if info.vehicle_key and info.id not in mission_effects and then.vehicle is not None:
                 sd = _uncertainty(info.vehicle_key, data, then.vehicle)
                 if sd != 0.0:
                     (parameter,) = info.parameters.values()
                     spike = np.array([(parameter.tank_spike or parameter.spike) ** 2])
                     stated = GivenEffect(info.id, coordinates_of(info), np.zeros(1), np.array([[sd**2]]), spike)
-                    given = (*given, stated)
-        return cls(kind, then, data, TankModel(forward, given=given, alternatives=exclusive_groups("tank")))
+                    priors = (*priors, stated)
+        return cls(kind, then, data, TankModel(forward, given=priors, alternatives=exclusive_groups("tank")))
 
     def residual_table(self, base: CauseFit, best: CauseFit) -> pd.DataFrame:
         """Return one row a datum: where it lies, what was measured, both models' values, what is left of each [SI]."""
@@ -149,7 +149,7 @@ class TankKind(DataKind):
     def misfit(self, residuals: pd.DataFrame) -> str:
         """Describe the root mean square of the residuals beside the sensor's noise."""
         forward = self.model.forward
-        rms, size = (float(np.sqrt(np.mean(np.square(each)))) for each in (residuals["residual_base"], forward.y))
+        rms, size = (float(np.sqrt(np.mean(np.square(values)))) for values in (residuals["residual_base"], forward.y))
         stated = f", {rms / float(np.median(forward.sd)):.1f} times the stated noise" if forward.stated else ""
         name, unit = UNITS[forward.quantity]
         return f"The base model misses {name} by {rms:.3g} {unit} rms, {100.0 * rms / size:.1f} % of it{stated}."
@@ -158,7 +158,7 @@ class TankKind(DataKind):
         """Return the share of the squared residuals that goes with each fit."""
         before = float(np.sum(residuals["residual_base"] ** 2))
         after = (float(np.sum(fit.state.residuals**2)) for fit in fits)
-        return [float(np.clip(1.0 - each / max(before, 1e-30), 0.0, 1.0)) for each in after]
+        return [float(np.clip(1.0 - remainder / max(before, 1e-30), 0.0, 1.0)) for remainder in after]
 
     def extended_mission(self, best: CauseFit) -> dict[str, object]:
         """Write what keys of the vehicle file state of the causes into the mission's data, at full size.
@@ -167,18 +167,20 @@ class TankKind(DataKind):
         """
         mission, settings, extended = self.mission, self.data.settings, dict(self.mission.raw)
         keys = vehicle_keys(mission, best)
-        own = {keys[each.effect]: each for each in (*best.given, *best.estimates) if each.effect in keys}
-        given = extended.get("vehicle")
-        if not own or mission.vehicle is None or not isinstance(given, dict):
+        estimates = {
+            keys[estimate.effect]: estimate for estimate in (*best.given, *best.estimates) if estimate.effect in keys
+        }
+        section = extended.get("vehicle")
+        if not estimates or mission.vehicle is None or not isinstance(section, dict):
             return extended
-        vehicle = copy.deepcopy(given)
+        vehicle = copy.deepcopy(section)
         if isinstance(settings, DragSettings):
-            vehicle["drag"] = _drag(mission.vehicle, settings, own, best.calibration, self.data)
-        if isinstance(settings, OscillationSettings) and "added_mass.surge" in own:
-            estimate = own["added_mass.surge"]
+            vehicle["drag"] = _drag(mission.vehicle, settings, estimates, best.calibration, self.data)
+        if isinstance(settings, OscillationSettings) and "added_mass.surge" in estimates:
+            estimate = estimates["added_mass.surge"]
             surge, sd = full_size_added_mass(settings, mission.vehicle, estimate.value, estimate.sd)
-            known = dict(vehicle.get("added_mass") or {})
-            vehicle["added_mass"] = known | {"surge": {"mean": f"{surge:.5g} kg", "sd": f"{sd:.3g} kg"}}
+            added_mass = dict(vehicle.get("added_mass") or {})
+            vehicle["added_mass"] = added_mass | {"surge": {"mean": f"{surge:.5g} kg", "sd": f"{sd:.3g} kg"}}
         extended["vehicle"] = vehicle
         return extended
 

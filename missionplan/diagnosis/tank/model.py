@@ -83,8 +83,8 @@ class TankModel(TankFitting, LinearisedModel):
         """Residuals of a fit; its coordinates enter their covariance as good as unknown."""
         state, count = fit.state, len(fit.state.residuals)
         sd = state.factor * self.forward.sd
-        known = fitted_root(state.columns, state.prior_sd, sd)
-        covariance = BlockCovariance.independent(sd, np.sqrt(COVARIANCE_INFLATION) * known)
+        root = fitted_root(state.columns, state.prior_sd, sd)
+        covariance = BlockCovariance.independent(sd, np.sqrt(COVARIANCE_INFLATION) * root)
         # rows of a table are no series: only a record in time is tested for errors that follow one another
         series = np.zeros(count, dtype=int) if "time" in self.forward.axes else np.arange(count)
         return Residuals(state.residuals, covariance, series, self._axes, self.forward.groups)

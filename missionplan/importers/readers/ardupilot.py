@@ -84,8 +84,8 @@ def recognises(path: Path, head: bytes) -> bool:
 def identity(path: Path) -> Identity:
     """Number of the autopilot's processor, which a dataflash log begins with, ``Pixhawk1 003E0037 31365118 ...``."""
     with path.open("rb") as stream:
-        found = _PROCESSOR.search(stream.read(_BEGINNING))
-    return Identity(found[1].decode().replace(" ", "") if found else "")
+        match = _PROCESSOR.search(stream.read(_BEGINNING))
+    return Identity(match[1].decode().replace(" ", "") if match else "")
 
 
 def read(files: Sequence[Path], options: ReadOptions, log: SourceLog) -> Track:
@@ -93,39 +93,43 @@ def read(files: Sequence[Path], options: ReadOptions, log: SourceLog) -> Track:
 
     Raises InputError when they are of several vehicles of which none is chosen, or of one that does not dive.
     """
-    found = _Found()
+    store = _Found()
     for path in log.each(sorted(files)):
         with log.reading(path):
             if path.suffix.lower() == ".tlog":
                 library = needed_module("pymavlink.mavutil", "ardupilot", "ardupilot")
-                _each_packet(library, path, _TAKEN, _system(library, path, options.vehicle), partial(_add, found))
+                _each_packet(library, path, _TAKEN, _system(library, path, options.vehicle), partial(_add, store))
             else:
-                _each_record(path, _TAKEN, partial(_add, found))
-    kind = found.kinds.most_common(1)[0][0] if found.kinds else _SUBMARINE
+                _each_record(path, _TAKEN, partial(_add, store))
+    kind = store.kinds.most_common(1)[0][0] if store.kinds else _SUBMARINE
     if kind != _SUBMARINE:
         what = _KINDS.get(kind, f"a vehicle of MAV_TYPE {kind}")
         raise InputError([Problem(f"is the log of {what}, which does not dive", str(files[0]))])
-    if log.read and not found.told["fix"]:
-        message = "has no fix: no GPS message" if not found.told["gps"] else "has no fix: the GPS never had a position"
+    if log.read and not store.told["fix"]:
+        message = "has no fix: no GPS message" if not store.told["gps"] else "has no fix: the GPS never had a position"
         raise InputError([Problem(message, str(log.read[0]), hint="legs go from fix to fix")])
-    samples = found.samples
+    samples = store.samples
     attitude = samples["attitude"]
     depth = series(samples["depth"]["t"], samples["depth"]["depth"])
     depth = depth if len(depth) else series(samples["barometer"]["t"], samples["barometer"]["depth"])
-    own, how = _reckoned(samples)
+    line, how = _reckoned(samples)
     return Track(
         name="ArduSub",
         format="ardupilot",
-        fixes=fixes(**{("latitude" if name == "lat" else "longitude" if name == "lon" else name): samples["fix"][name]
-                       for name in _COLUMNS["fix"]}),
-        reckoned=own,
+        fixes=fixes(
+            **{
+                ("latitude" if name == "lat" else "longitude" if name == "lon" else name): samples["fix"][name]
+                for name in _COLUMNS["fix"]
+            }
+        ),
+        reckoned=line,
         reckoning=how,
         depth=depth,
         pitch=series(attitude["t"], attitude["pitch"]),
         heading=series(attitude["t"], attitude["heading"] % 360.0),
         heading_from="true",
         breaks=tuple(_restarts(samples["boot"])),
-    )  # fmt: skip
+    )
 
 
 def _each_packet(
@@ -147,8 +151,8 @@ def _each_record(path: Path, kinds: Collection[str], take: Callable[[str, float,
 
     Times count from the autopilot's start; the receiver's first fix tells when that was: before, its week may be any.
     """
-    known = (m for _, m in _records(path, ("GPS",)) if m.GWk > 0 and m.Status >= _FIX_3D)
-    started = next((_gps_time(m) - _MICRO * m.TimeUS for m in known), 0.0)
+    messages = (m for _, m in _records(path, ("GPS",)) if m.GWk > 0 and m.Status >= _FIX_3D)
+    started = next((_gps_time(m) - _MICRO * m.TimeUS for m in messages), 0.0)
     for kind, message in _records(path, kinds):
         take(kind, started + _MICRO * getattr(message, "TimeUS", math.nan), message)
 
@@ -169,8 +173,8 @@ def _records(path: Path, kinds: Collection[str]) -> Iterator[tuple[str, Any]]:
             while place + len(_MAGIC) <= len(data):
                 kind, length = data[place + 2], lengths[data[place + 2]]
                 if data[place] != _MAGIC[0] or data[place + 1] != _MAGIC[1] or not length:
-                    found = data.find(_MAGIC[:2], place + 1)
-                    place = found if found >= 0 else len(data) - 1
+                    start = data.find(_MAGIC[:2], place + 1)
+                    place = start if start >= 0 else len(data) - 1
                     continue
                 if place + length > len(data):
                     break
@@ -196,10 +200,12 @@ class _Packing:
     def unpacked(self, data: bytes, place: int) -> Any:
         """Fields as attributes, in their units."""
         values = self._struct.unpack_from(data, place)
-        return SimpleNamespace(**{
-            label: value.rstrip(b"\0").decode("latin-1") if isinstance(value, bytes) else value * factor
-            for label, value, factor in zip(self._labels, values, self._factors, strict=False)
-        })  # fmt: skip
+        return SimpleNamespace(
+            **{
+                label: value.rstrip(b"\0").decode("latin-1") if isinstance(value, bytes) else value * factor
+                for label, value, factor in zip(self._labels, values, self._factors, strict=False)
+            }
+        )
 
 
 def _system(library: ModuleType, path: Path, wanted: str | None) -> int | None:
@@ -224,20 +230,20 @@ def _system(library: ModuleType, path: Path, wanted: str | None) -> int | None:
     return next(iter(heard), None)
 
 
-def _add(found: _Found, kind: str, t: float, m: Any) -> None:
+def _add(store: _Found, kind: str, t: float, m: Any) -> None:
     """Add what one message says, at its time since 1970 [s]."""
     if kind == "HEARTBEAT":
-        found.kinds.update([int(m.type)] if m.type not in _NO_VEHICLES else [])
+        store.kinds.update([int(m.type)] if m.type not in _NO_VEHICLES else [])
     elif kind == "MSG":
         firmware = str(m.Message).lower().split(" ")[0]
-        found.kinds.update([_FIRMWARE[firmware]] if firmware in _FIRMWARE else [])
+        store.kinds.update([_FIRMWARE[firmware]] if firmware in _FIRMWARE else [])
     elif getattr(m, _NUMBERED.get(kind, ""), 0) == 0:
         for name, values_of in _SAMPLED[kind]:
             values = values_of(m)
             if name == "fix":
-                found.told["gps"] += 1
-                found.told["fix"] += int(values[-1] == 1.0 and (values[0] != 0.0 or values[1] != 0.0))
-            found.samples[name].add(t, *values)
+                store.told["gps"] += 1
+                store.told["fix"] += int(values[-1] == 1.0 and (values[0] != 0.0 or values[1] != 0.0))
+            store.samples[name].add(t, *values)
 
 
 def _raw_fix(m: Any) -> tuple[float, ...]:
@@ -278,15 +284,15 @@ _TAKEN = ("HEARTBEAT", "MSG", *_SAMPLED)
 
 def _reckoned(samples: dict[str, Samples]) -> tuple[Positions, str]:
     place, plane, origin = samples["place"], samples["plane"], samples["origin"]
-    own = positions(place["t"], place["lat"], place["lon"])
-    if len(own):
-        return own, "the autopilot's own estimate (POS, GLOBAL_POSITION_INT)"
+    line = positions(place["t"], place["lat"], place["lon"])
+    if len(line):
+        return line, "the autopilot's own estimate (POS, GLOBAL_POSITION_INT)"
     if not len(plane) or not len(origin):
         return Positions(), "the autopilot logs no position of its own"
     first = float(origin["lat"][0]), float(origin["lon"][0])
     none = fixes(np.empty(0), np.empty(0), np.empty(0))
-    own = plane_positions(plane["t"], plane["east"], plane["north"], none, first)
-    return own, "the autopilot's filter (north, east)"
+    line = plane_positions(plane["t"], plane["east"], plane["north"], none, first)
+    return line, "the autopilot's filter (north, east)"
 
 
 def _restarts(boot: Samples) -> Iterator[Break]:

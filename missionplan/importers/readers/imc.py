@@ -72,16 +72,16 @@ def read(files: Sequence[Path], options: ReadOptions, log: SourceLog) -> Track:
     systems: dict[int, _System] = defaultdict(_System)
     for path in log.each(sorted(files)):
         with log.reading(path):
-            before = {source: len(each.samples["EstimatedState"]) for source, each in systems.items()}
+            before = {source: len(system.samples["EstimatedState"]) for source, system in systems.items()}
             try:
                 _add(systems, library, path)
             finally:
-                for source, each in systems.items():
-                    each.breaks += clock_jumps(each.samples["EstimatedState"]["t"][before.get(source, 0) :])
+                for source, system in systems.items():
+                    system.breaks += clock_jumps(system.samples["EstimatedState"]["t"][before.get(source, 0) :])
     chosen = _chosen(systems, options.vehicle)
-    found = chosen.samples
-    state, fixed = found["EstimatedState"], found["GpsFix"]
-    turning = state if len(state) else found["EulerAngles"]
+    samples = chosen.samples
+    state, fixed = samples["EstimatedState"], samples["GpsFix"]
+    turning = state if len(state) else samples["EulerAngles"]
     return Track(
         name=f"IMC vehicle, {chosen.name or files[0].parent.name or files[0].stem}",
         format="imc",
@@ -89,11 +89,11 @@ def read(files: Sequence[Path], options: ReadOptions, log: SourceLog) -> Track:
                     **{name: fixed[name] for name in ("accuracy", "hdop", "satellites", "valid")}),
         reckoned=positions(state["t"], *moved(state["lat"], state["lon"], state["y"], state["x"])),
         reckoning="the vehicle's own (EstimatedState)" if len(state) else "there is no EstimatedState",
-        depth=_depth(found),
+        depth=_depth(samples),
         pitch=series(turning["t"], np.degrees(turning["pitch"])),
         heading=series(turning["t"], np.degrees(turning["heading"]) % 360.0),
         heading_from="true",
-        rpm=series(found["Rpm"]["t"], found["Rpm"]["rpm"]),
+        rpm=series(samples["Rpm"]["t"], samples["Rpm"]["rpm"]),
         breaks=tuple(chosen.breaks),
     )  # fmt: skip
 
@@ -103,13 +103,14 @@ def _chosen(systems: Mapping[int, _System], wanted: str | None) -> _System:
 
     Raises InputError with the list.
     """
-    counts = {source: (len(each.samples["EstimatedState"]), len(each.samples["GpsFix"]))
-              for source, each in systems.items()}  # fmt: skip
+    counts = {source: (len(system.samples["EstimatedState"]), len(system.samples["GpsFix"]))
+              for source, system in systems.items()}  # fmt: skip
     most = max((states for states, _ in counts.values()), default=0)
-    own = [source for source, (states, fixed) in counts.items() if fixed and states >= _LEAST * most]
+    vehicles = [source for source, (states, fixed) in counts.items() if fixed and states >= _LEAST * most]
     names = {source: systems[source].name or str(source) for source in counts}
     listed = ", ".join(
-        f"{names[source]} ({counted(counts[source][0], 'state')}, {counts[source][1]} fixes)" for source in sorted(own)
+        f"{names[source]} ({counted(counts[source][0], 'state')}, {counts[source][1]} fixes)"
+        for source in sorted(vehicles)
     )
     if wanted is not None:
         match = [source for source in counts if wanted.lower() in (names[source].lower(), str(source))]
@@ -117,10 +118,10 @@ def _chosen(systems: Mapping[int, _System], wanted: str | None) -> _System:
             hint = did_you_mean(wanted, names.values())
             raise InputError([Problem(f"no system {shown(wanted)}; there is {listed}", key="vehicle", hint=hint)])
         return systems[match[0]]
-    if len(own) > 1:
-        hint = f"choose one with --vehicle, such as --vehicle {names[own[0]]}"
+    if len(vehicles) > 1:
+        hint = f"choose one with --vehicle, such as --vehicle {names[vehicles[0]]}"
         raise InputError([Problem(f"logs of several systems: {listed}", key="vehicle", hint=hint)])
-    main = own or sorted(counts, key=lambda source: counts[source])[-1:]
+    main = vehicles or sorted(counts, key=lambda source: counts[source])[-1:]
     return systems[main[0]] if main else _System()
 
 
@@ -176,11 +177,11 @@ def _values(name: str, m: Any) -> tuple[float, ...]:
     return (m.timestamp, float(m.value))
 
 
-def _depth(found: Mapping[str, Samples]) -> Series:
+def _depth(samples: Mapping[str, Samples]) -> Series:
     """Depth of the state, where −1 is no depth, else the sensor's."""
-    state: Array = found["EstimatedState"]["depth"]
-    known = series(found["EstimatedState"]["t"], np.where(state >= 0.0, state, np.nan))
-    return known if len(known) else series(found["Depth"]["t"], found["Depth"]["depth"])
+    state: Array = samples["EstimatedState"]["depth"]
+    depth = series(samples["EstimatedState"]["t"], np.where(state >= 0.0, state, np.nan))
+    return depth if len(depth) else series(samples["Depth"]["t"], samples["Depth"]["depth"])
 
 
 IMPORTERS = (Importer("imc", "DUNE/LSTS LSF logs (imcpy)", recognises, read, is_choosing=True),)

@@ -66,8 +66,8 @@ def recognises(path: Path, head: bytes) -> bool:
 def identity(path: Path) -> Identity:
     """Community of the database that was logged."""
     with unpacked(path) as stream:
-        found = _COMMUNITY.search(stream.read(_HEAD))
-    return Identity(found[1].decode() if found else "")
+        match = _COMMUNITY.search(stream.read(_HEAD))
+    return Identity(match[1].decode() if match else "")
 
 
 def read(files: Sequence[Path], options: ReadOptions, log: SourceLog) -> Track:
@@ -86,14 +86,16 @@ def read(files: Sequence[Path], options: ReadOptions, log: SourceLog) -> Track:
         with log.reading(path):
             began = _add(store, path, names, starts[path][0] + shift)
             breaks += [Break(began, "the log was begun anew", at_surface_too=False)] if number else []
-    found, origin = _fixes(store), origin_of(options.names.get("origin")) or _planned_origin(files)
+    gps_fixes, origin = _fixes(store), origin_of(options.names.get("origin")) or _planned_origin(files)
     used = [pair for pair in (("dr_lat", "dr_lon"), ("dr_x", "dr_y")) if pair[0] in store]
-    told = {quantity: name.decode() for name, quantity in reversed(names.items())}
+    quantities = {quantity: name.decode() for name, quantity in reversed(names.items())}
     track = Track(
         name=f"MOOS {files[0].stem}",
         format="moos",
-        fixes=found,
-        reckoning=f"the vehicle's own ({', '.join(told[each] for each in used[0])})" if used else "none is logged",
+        fixes=gps_fixes,
+        reckoning=f"the vehicle's own ({', '.join(quantities[quantity] for quantity in used[0])})"
+        if used
+        else "none is logged",
         depth=store.series("depth", _factor(options.names, "depth")),
         pitch=store.series("pitch", _factor(options.names, "pitch", "rad")),
         heading=store.series("heading_true" if "heading_true" in store else "heading"),
@@ -105,18 +107,18 @@ def read(files: Sequence[Path], options: ReadOptions, log: SourceLog) -> Track:
         planned=_planned(files),
         notices=notices,
     )
-    own = _reckoned(store, origin, found)
-    if len(found):
-        return replace(track, reckoned=own)
-    return split_at_surface(replace(track, fixes=fixes(own.t, own.latitude, own.longitude)), own)
+    line = _reckoned(store, origin, gps_fixes)
+    if len(gps_fixes):
+        return replace(track, reckoned=line)
+    return split_at_surface(replace(track, fixes=fixes(line.t, line.latitude, line.longitude)), line)
 
 
-def _names(given: Mapping[str, MappedName]) -> dict[bytes, str]:
+def _names(mapping: Mapping[str, MappedName]) -> dict[bytes, str]:
     """Quantities by the variable's name in capitals; what is given takes the place of the usual ones."""
     usual = {mapped(quantity, name).name: quantity for quantity, names in _USUAL.items() for name in names
-             if quantity not in given}  # fmt: skip
+             if quantity not in mapping}  # fmt: skip
     return {name.upper().encode(): quantity for name, quantity in usual.items()} | {
-        each.name.upper().encode(): quantity for quantity, each in given.items()
+        variable.name.upper().encode(): quantity for quantity, variable in mapping.items()
     }
 
 
@@ -127,15 +129,15 @@ def _head(path: Path) -> tuple[float, float]:
     """
     with unpacked(path) as stream:
         head = stream.read(_HEAD)
-    found, opened = _LOG_START.search(head), _OPENED.search(head)
-    if found is None:
+    start, opened = _LOG_START.search(head), _OPENED.search(head)
+    if start is None:
         raise ValueError("no LOGSTART in its head: its times count from nothing known")
     try:
         words = " ".join((opened[1] if opened else b"").decode().split())
         clock = datetime.strptime(f"{words} +0000", "%a %b %d %H:%M:%S %Y %z").timestamp()
     except ValueError:
-        return float(found[1]), np.nan
-    return float(found[1]), clock if _FIRST < clock < _LAST else np.nan
+        return float(start[1]), np.nan
+    return float(start[1]), clock if _FIRST < clock < _LAST else np.nan
 
 
 def _date(start: float, opened: float) -> tuple[float, tuple[str, ...]]:
@@ -180,10 +182,10 @@ def _add(store: ChannelStore, path: Path, names: Mapping[bytes, str], start: flo
         if reported is not None:
             samples.setdefault(quantity, reported)
     if not samples:
-        raise ValueError(f"none of the variables {', '.join(sorted(each.decode() for each in names))}")
-    for quantity, each in samples.items():
-        store.add(quantity, each["t"] + start, each["value"])
-    return start + min(float(each["t"].min()) for each in samples.values())
+        raise ValueError(f"none of the variables {', '.join(sorted(name.decode() for name in names))}")
+    for quantity, readings in samples.items():
+        store.add(quantity, readings["t"] + start, readings["value"])
+    return start + min(float(readings["t"].min()) for readings in samples.values())
 
 
 def _of_report(text: bytes) -> Iterator[tuple[str, float]]:
@@ -196,8 +198,8 @@ def _of_report(text: bytes) -> Iterator[tuple[str, float]]:
 def _beside(files: Sequence[Path], *endings: str) -> str:
     """Text of the files with one of some endings that the logger copied beside the logs."""
     folders = dict.fromkeys(path.parent for path in files)
-    copies = sorted(each for folder in folders for each in folder.iterdir() if each.name.endswith(endings))
-    return re.sub(r"//.*", "", "\n".join(each.read_text("utf-8", errors="replace") for each in copies))
+    copies = sorted(path for folder in folders for path in folder.iterdir() if path.name.endswith(endings))
+    return re.sub(r"//.*", "", "\n".join(path.read_text("utf-8", errors="replace") for path in copies))
 
 
 def _planned_origin(files: Sequence[Path]) -> tuple[float, float] | None:
@@ -211,40 +213,40 @@ def _planned_origin(files: Sequence[Path]) -> tuple[float, float] | None:
 def _planned(files: Sequence[Path]) -> float | None:
     """Period of the helm's surfacing by the behaviour files beside the logs [s]: the shortest of them."""
     bodies = _BEHAVIOUR.findall(_beside(files, "bhv", "bhv++"))
-    periods = [float(each[1]) for kind, body in bodies if (each := _PERIOD[kind].search(body))]
-    return min((each for each in periods if 0.0 < each < _LONGEST_PERIOD), default=None)
+    periods = [float(match[1]) for kind, body in bodies if (match := _PERIOD[kind].search(body))]
+    return min((period for period in periods if 0.0 < period < _LONGEST_PERIOD), default=None)
 
 
-def _factor(given: Mapping[str, MappedName], quantity: str, usual: str = "") -> float:
-    unit, wanted = given[quantity].unit if quantity in given else usual, QUANTITIES[quantity]
+def _factor(mapping: Mapping[str, MappedName], quantity: str, usual: str = "") -> float:
+    unit, wanted = mapping[quantity].unit if quantity in mapping else usual, QUANTITIES[quantity]
     return 1.0 if not unit or unit == wanted or not wanted else unit_factor(unit, wanted)
 
 
 def _fixes(store: ChannelStore) -> Fixes:
     """Fixes: latitude and longitude are published one after the other, each joins the longitude nearest in time."""
-    known = store.series("lat")
-    quality = {name: _nearest(store, key, known.t) for name, key in
+    latitude = store.series("lat")
+    quality = {name: _nearest(store, key, latitude.t) for name, key in
                (("hdop", "hdop"), ("satellites", "satellites"), ("accuracy", "hacc"), ("valid", "valid"))}  # fmt: skip
-    return fixes(known.t, known.values, _nearest(store, "lon", known.t), **quality)
+    return fixes(latitude.t, latitude.values, _nearest(store, "lon", latitude.t), **quality)
 
 
 def _nearest(store: ChannelStore, name: str, t: Array, within: float = 1.0) -> Array:
     """Value of a channel nearest in time; nan beyond `within` [s]."""
-    known = store.series(name)
-    if not len(known) or not len(t):
+    channel = store.series(name)
+    if not len(channel) or not len(t):
         return np.full(len(t), np.nan)
-    after = np.clip(np.searchsorted(known.t, t), 0, len(known) - 1)
+    after = np.clip(np.searchsorted(channel.t, t), 0, len(channel) - 1)
     before = np.maximum(after - 1, 0)
-    best = np.where(np.abs(known.t[before] - t) < np.abs(known.t[after] - t), before, after)
-    return np.where(np.abs(known.t[best] - t) <= within, known.values[best], np.nan)
+    best = np.where(np.abs(channel.t[before] - t) < np.abs(channel.t[after] - t), before, after)
+    return np.where(np.abs(channel.t[best] - t) <= within, channel.values[best], np.nan)
 
 
-def _reckoned(store: ChannelStore, origin: tuple[float, float] | None, found: Fixes) -> Positions:
+def _reckoned(store: ChannelStore, origin: tuple[float, float] | None, fixes: Fixes) -> Positions:
     if "dr_lat" in store:
         north = store.series("dr_lat")
         return positions(north.t, north.values, _nearest(store, "dr_lon", north.t))
     east = store.series("dr_x")
-    return plane_positions(east.t, east.values, _nearest(store, "dr_y", east.t), found, origin)
+    return plane_positions(east.t, east.values, _nearest(store, "dr_y", east.t), fixes, origin)
 
 
 IMPORTERS = (Importer("moos", "MOOS alog, variables by --map", recognises, read, identify=identity),)

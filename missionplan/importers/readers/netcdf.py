@@ -105,8 +105,8 @@ class Variables:
 
     def dimension(self, name: str) -> str:
         """Dimension of a variable: the longest one, as those of length 1 are no axis."""
-        sizes = {str(each): size for each, size in self._variables[name].sizes.items()}
-        return max(sizes, key=lambda each: sizes[each], default="")
+        sizes = {str(axis): size for axis, size in self._variables[name].sizes.items()}
+        return max(sizes, key=lambda axis: sizes[axis], default="")
 
     def clock(self, name: str) -> Array:
         """Times of a variable's values since 1970 [s], along its own dimension.
@@ -116,15 +116,15 @@ class Variables:
         """
         along = self.dimension(name)
         clocks = [
-            each
-            for each in self._by_name.values()
-            if self.dimension(each) == along
-            and self._variables[each].size == self._variables[name].size
-            and " since " in self.unit(each)
+            clock
+            for clock in self._by_name.values()
+            if self.dimension(clock) == along
+            and self._variables[clock].size == self._variables[name].size
+            and " since " in self.unit(clock)
         ]
         if not clocks:
             raise ValueError(f"no time lies along the dimension {along} of {name}")
-        return self.epoch(max(clocks, key=lambda each: (_shared(each, name), -len(each))))
+        return self.epoch(max(clocks, key=lambda clock: (_shared(clock, name), -len(clock))))
 
     def epoch(self, name: str) -> Array:
         """Times of a variable since 1970 [s], by its units (``days since 2010-01-01``)."""
@@ -152,9 +152,9 @@ class Variables:
 
     def text(self, *names: str) -> str:
         """Text of a variable or, failing that, of an attribute of the file; nothing where it has neither."""
-        found = self.find(*names)
-        if found is not None and self._variables[found].size:
-            value = self._variables[found].values.ravel()
+        variable = self.find(*names)
+        if variable is not None and self._variables[variable].size:
+            value = self._variables[variable].values.ravel()
             word = value[0] if len(value) == 1 else b"".join(value) if value.dtype.kind == "S" else value[0]
             return (word.decode("utf-8", "replace") if isinstance(word, bytes) else str(word)).strip()
         attributes = {str(key).lower(): value for key, value in self._data.attrs.items()}
@@ -170,8 +170,8 @@ class Variables:
 
 def _shared(clock: str, name: str) -> int:
     """Number of the words in a row that a clock's name begins or ends with, as the variable's does."""
-    own, other = clock.lower().split("_"), name.lower().split("_")
-    ends = ((own, other), (own[::-1], other[::-1]))
+    clock_words, other = clock.lower().split("_"), name.lower().split("_")
+    ends = ((clock_words, other), (clock_words[::-1], other[::-1]))
     return max(sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], zip(*pair, strict=False))) for pair in ends)
 
 
@@ -190,11 +190,11 @@ def _factor(unit: str, wanted: str) -> float:
 
 def mapped_parts(file: Variables, columns: Mapping[str, MappedName]) -> list[dict[str, Array]]:
     """Variables as named, a part for each dimension that they lie along, with that dimension's clock."""
-    found = {quantity: file.find(each.name) for quantity, each in columns.items()}
-    missing = [columns[quantity].name for quantity, name in found.items() if name is None]
+    variables = {quantity: file.find(column.name) for quantity, column in columns.items()}
+    missing = [columns[quantity].name for quantity, name in variables.items() if name is None]
     if missing:
         raise ValueError(f"no variable {', '.join(missing)}; it has {', '.join(sorted(file)[:20])}")
-    names = {quantity: name for quantity, name in found.items() if name is not None}
+    names = {quantity: name for quantity, name in variables.items() if name is not None}
     parts: dict[str, dict[str, Array]] = {}
     for quantity, name in names.items():
         if quantity == "time":

@@ -37,23 +37,23 @@ def is_nmea(path: Path, head: bytes) -> bool:
     return path.suffix.lower() in (".nmea", ".nme") or _SENTENCE.search(head) is not None
 
 
-def add_gpx(path: Path, found: Samples) -> None:
+def add_gpx(path: Path, samples: Samples) -> None:
     """Add the points of a GPX file that have times: of its tracks, else of its routes and its waypoints."""
     with unpacked(path) as stream:
         root = ElementTree.parse(stream).getroot()
     kinds: dict[str, list[ElementTree.Element]] = defaultdict(list)
-    for each in root.iter():
-        kinds[str(each.tag).rpartition("}")[2]].append(each)
+    for element in root.iter():
+        kinds[str(element.tag).rpartition("}")[2]].append(element)
     for point in kinds["trkpt"] or (*kinds["wpt"], *kinds["rtept"]):
-        said = {str(each.tag).rpartition("}")[2]: (each.text or "").strip() for each in point}
+        said = {str(child.tag).rpartition("}")[2]: (child.text or "").strip() for child in point}
         if said.get("time"):
             valid = float(said["fix"].lower() != "none") if said.get("fix") else math.nan
             place = float(point.get("lat", "nan")), float(point.get("lon", "nan"))
             quality = _number(said.get("hdop")), _number(said.get("sat"))
-            found.add(moment_of(said["time"]).timestamp(), *place, *quality, valid)
+            samples.add(moment_of(said["time"]).timestamp(), *place, *quality, valid)
 
 
-def add_nmea(path: Path, found: Samples) -> None:
+def add_nmea(path: Path, samples: Samples) -> None:
     """Add the fixes of NMEA sentences: RMC has the date and GGA the quality, or ZDA the date and GGA the rest.
 
     Sentences may go without their sums in a file that has none; elsewhere such a one is cut off.
@@ -72,13 +72,13 @@ def add_nmea(path: Path, found: Samples) -> None:
             if not isinstance(clock, time):
                 continue
             if clock != epoch.clock:
-                last = epoch.add_to(found, last)
+                last = epoch.add_to(samples, last)
                 epoch = _Epoch(clock)
             epoch.take(sentence)
             has_fixes = has_fixes or epoch.place is not None
     if not has_fixes:
         raise ValueError(f"no fixes: no whole sentence {', '.join(_PLACED)} with a position")
-    if epoch.add_to(found, last) is None:
+    if epoch.add_to(samples, last) is None:
         raise ValueError("its fixes have no date: sentences RMC or ZDA have it, beside GGA")
 
 
@@ -108,11 +108,11 @@ class _Epoch:
         else:
             mode = str(getattr(sentence, "faa_mode" if kind == "GLL" else "mode_indicator", "") or "")
             said = float(
-                getattr(sentence, "status", "A") == "A" and not (mode and all(each in _NO_FIX for each in mode))
+                getattr(sentence, "status", "A") == "A" and not (mode and all(letter in _NO_FIX for letter in mode))
             )
         self.valid = float(np.fmin(self.valid, said))
 
-    def add_to(self, found: Samples, last: datetime | None) -> datetime | None:
+    def add_to(self, samples: Samples, last: datetime | None) -> datetime | None:
         """Add the fix, on the date it says or on that of the time before, or on the day after; returns its moment."""
         day = self.day or (last.date() if last else None)
         if self.clock is None or day is None:
@@ -121,7 +121,7 @@ class _Epoch:
         if self.day is None and last and moment < last - timedelta(hours=12.0):
             moment += timedelta(days=1)
         if self.place is not None:
-            found.add(moment.timestamp(), *self.place, *self.quality, self.valid)
+            samples.add(moment.timestamp(), *self.place, *self.quality, self.valid)
         return moment
 
 

@@ -60,10 +60,10 @@ def read(files: Sequence[Path], options: ReadOptions, log: SourceLog) -> Track:
     topics: dict[str, dict[str, str]] = defaultdict(dict)
     for bag in dict.fromkeys(bags.values()):
         with SourceLog().reading(bag, library.AnyReaderError), _opened(library, bag) as reader:  # told when it is read
-            for each in reader.connections:
-                topics[each.topic][each.msgtype] = ""
-    known = {topic: next(iter(types)) for topic, types in topics.items()}
-    chosen = {quantity: _topic(quantity, known, options) for quantity in _TYPES} if known else {}
+            for connection in reader.connections:
+                topics[connection.topic][connection.msgtype] = ""
+    kinds = {topic: next(iter(types)) for topic, types in topics.items()}
+    chosen = {quantity: _topic(quantity, kinds, options) for quantity in _TYPES} if kinds else {}
     fixed, deep, lines = Samples(_COLUMNS["gps"]), Samples(_COLUMNS["depth"]), list[Samples]()
     done: set[Path] = set()
     for path in log.each(list(bags)):
@@ -72,7 +72,7 @@ def read(files: Sequence[Path], options: ReadOptions, log: SourceLog) -> Track:
                 done.add(bags[path])
                 lines.append(Samples(_COLUMNS["odometry"]))
                 _add(library, bags[path], chosen, {"gps": fixed, "odometry": lines[-1], "depth": deep})
-    return _track(files, options, chosen, fixed, deep, [each for each in lines if len(each)])
+    return _track(files, options, chosen, fixed, deep, [line for line in lines if len(line)])
 
 
 @contextmanager
@@ -82,13 +82,13 @@ def _opened(library: ModuleType, bag: Path) -> Iterator["AnyReader"]:
         yield reader
 
 
-def _topic(quantity: str, known: Mapping[str, str], options: ReadOptions) -> str:
+def _topic(quantity: str, kinds: Mapping[str, str], options: ReadOptions) -> str:
     """Return the topic of a quantity: as named, else the only one of its type, of the vehicle that was chosen.
 
     Topics of one type in several bags, or of several vehicles in one, are no one track.
     """
     named = options.names.get(quantity)
-    fitting = {topic: _TYPES[quantity].index(kind) for topic, kind in known.items() if kind in _TYPES[quantity]}
+    fitting = {topic: _TYPES[quantity].index(kind) for topic, kind in kinds.items() if kind in _TYPES[quantity]}
     if named is not None:
         if named.name in fitting:
             return named.name
@@ -97,42 +97,42 @@ def _topic(quantity: str, known: Mapping[str, str], options: ReadOptions) -> str
     if quantity == "depth":
         fitting = {topic: rank for topic, rank in fitting.items() if "depth" in topic.lower()}
     if options.vehicle:
-        fitting = {each: rank for each, rank in fitting.items() if options.vehicle in each.split("/")}
-    best = [each for each, rank in sorted(fitting.items()) if rank == min(fitting.values())]
+        fitting = {topic: rank for topic, rank in fitting.items() if options.vehicle in topic.split("/")}
+    best = [topic for topic, rank in sorted(fitting.items()) if rank == min(fitting.values())]
     if len(best) > 1:
         raise _several(quantity, best)
     if not best and quantity != "depth":
-        message = f"no topic of {_TYPES[quantity][0]}; its topics are {', '.join(sorted(known)[:20])}"
+        message = f"no topic of {_TYPES[quantity][0]}; its topics are {', '.join(sorted(kinds)[:20])}"
         raise InputError([Problem(message, key="vehicle" if options.vehicle else "map")])
     return best[0] if best else ""
 
 
 def _several(quantity: str, topics: Sequence[str]) -> InputError:
     """Return the error of a quantity that several topics hold."""
-    spaces = sorted({each.split("/")[1] for each in topics if each.count("/") > 1})
+    spaces = sorted({topic.split("/")[1] for topic in topics if topic.count("/") > 1})
     hint = f"name one with --map {quantity}={topics[0]}"
     hint += f", or a vehicle with --vehicle {spaces[0]}" if len(spaces) > 1 else ""
     return InputError([Problem(f"several topics of {quantity}: {', '.join(topics)}", key="map", hint=hint)])
 
 
-def _add(library: ModuleType, bag: Path, chosen: Mapping[str, str], found: Mapping[str, Samples]) -> None:
+def _add(library: ModuleType, bag: Path, chosen: Mapping[str, str], samples: Mapping[str, Samples]) -> None:
     """Add the messages of one bag, read one after the other."""
     quantities = {topic: quantity for quantity, topic in chosen.items() if topic}
     with _opened(library, bag) as reader:
-        wanted = [each for each in reader.connections if each.topic in quantities]
+        wanted = [connection for connection in reader.connections if connection.topic in quantities]
         if not wanted:
             raise ValueError(f"none of the topics {', '.join(quantities)}")
         for connection, logged, raw in reader.messages(connections=wanted):
             message: Any = reader.deserialize(raw, connection.msgtype)  # as its definition says
             quantity = quantities[connection.topic]
-            found[quantity].add(*_VALUES[quantity](message, 1e-9 * logged))
+            samples[quantity].add(*_VALUES[quantity](message, 1e-9 * logged))
 
 
 def _fix(message: Any, logged: float) -> tuple[float, ...]:
     covariance = np.asarray(message.position_covariance, dtype=float)
-    known = message.position_covariance_type > 0 and covariance[0] > 0.0
+    is_stated = message.position_covariance_type > 0 and covariance[0] > 0.0
     valid = message.status.status >= 0
-    accuracy = math.sqrt(covariance[0] + covariance[4]) if known and valid else math.nan
+    accuracy = math.sqrt(covariance[0] + covariance[4]) if is_stated and valid else math.nan
     return _time(message, logged), message.latitude, message.longitude, accuracy, float(valid)
 
 
@@ -172,23 +172,23 @@ def _track(
     lines: Sequence[Samples],
 ) -> Track:  # fmt: skip
     """Make the track; each bag's positions count from where its odometry began."""
-    found = fixes(fixed["t"], fixed["lat"], fixed["lon"], accuracy=fixed["accuracy"], valid=fixed["valid"])
+    gps_fixes = fixes(fixed["t"], fixed["lat"], fixed["lon"], accuracy=fixed["accuracy"], valid=fixed["valid"])
 
     def joined(name: str) -> Array:
-        return np.concatenate([each[name] for each in lines]) if lines else np.empty(0)
+        return np.concatenate([line[name] for line in lines]) if lines else np.empty(0)
 
     t, z = joined("t"), joined("z")
     is_down = bool(np.any(joined("ned"))) or _is_downwards(z)
     origin = origin_of(options.names.get("origin"))
     east, north = ("y", "x") if is_down else ("x", "y")
-    parts = [plane_positions(each["t"], each[east], each[north], found, origin) for each in lines]
+    parts = [plane_positions(line["t"], line[east], line[north], gps_fixes, origin) for line in lines]
     turned = np.degrees(joined("yaw")) if is_down else 90.0 - np.degrees(joined("yaw"))
     own_depth = series(t, z if is_down else -z) if np.any(z) else Series()
-    notices = [f"{each} from the topic {topic}" for each, topic in chosen.items() if topic]
+    notices = [f"{quantity} from the topic {topic}" for quantity, topic in chosen.items() if topic]
     return Track(
         name=files[0].stem,
         format="rosbag",
-        fixes=found,
+        fixes=gps_fixes,
         reckoned=positions(**columns_of(Positions, parts)),
         reckoning=f"the vehicle's own ({chosen.get('odometry', 'no odometry')})",
         depth=series(deep["t"], deep["depth"]) if len(deep) else own_depth,

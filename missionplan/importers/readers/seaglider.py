@@ -120,7 +120,7 @@ def summed(good: Fixes, t: Array, east: Array, north: Array) -> Positions:
     """
     timed = np.flatnonzero(np.isfinite(t) & np.isfinite(east) & np.isfinite(north))
     t, first = np.unique(t[timed], return_index=True)
-    east, north = (each[timed][first] for each in (east, north))
+    east, north = (step[timed][first] for step in (east, north))
     if not len(good) or not len(t):
         return Positions()
     since = np.searchsorted(good.t, t, side="right") - 1
@@ -178,23 +178,24 @@ def _deployment(file: Variables) -> _Part:
         raise ValueError("no fixes (LATITUDE_GPS, LONGITUDE_GPS)")
     t = file.clock(latitude)
     ways, how = _ways(file)
-    own = _flagged(file)
-    if len(own):
+    line = _flagged(file)
+    if len(line):
         ways, how = (np.empty(0), np.empty(0), np.empty(0)), "the file's own, where DEAD_RECKONING is 1"
     phase = file.find("phase")
     return _Part(
         fixes=fixes(t, file.in_unit(latitude, "deg"), file.in_unit(longitude, "deg"), valid=file.validity(latitude)),
         ways=ways,
-        reckoned=own,
+        reckoned=line,
         reckoning=how,
         depth=file.series(file.find("depth", "depth_z", "glider_depth", "pres", standard=_DEPTH), "m"),
-        pitch=file.series(file.find("pitch", "glider_pitch", standard=("platform_pitch", "platform_pitch_fore_up")),
-                          "deg"),
+        pitch=file.series(
+            file.find("pitch", "glider_pitch", standard=("platform_pitch", "platform_pitch_fore_up")), "deg"
+        ),
         heading=file.series(file.find("heading", "glider_heading", standard=("platform_orientation",)), "deg"),
         speed=Series() if how else file.series(file.find("glider_horz_velo_model"), "m/s"),
         declination=file.series(file.find("magnetic_declination"), "deg"),
         at_surface=_drifting(file, phase),
-    )  # fmt: skip
+    )
 
 
 def _flagged(file: Variables) -> Positions:
@@ -203,8 +204,8 @@ def _flagged(file: Variables) -> Positions:
     latitude, longitude = (file.find(name, standard=(name,)) for name in ("latitude", "longitude"))
     if flag is None or latitude is None or longitude is None:
         return Positions()
-    own = file.like(flag, latitude) == 1.0
-    t = np.where(own, file.clock(latitude), np.nan)
+    is_reckoned = file.like(flag, latitude) == 1.0
+    t = np.where(is_reckoned, file.clock(latitude), np.nan)
     return positions(t, file.in_unit(latitude, "deg"), file.like(longitude, latitude, "deg"))
 
 
@@ -214,10 +215,10 @@ def _drifting(file: Variables, phase: str | None) -> Series:
         return Series()
     meanings, values = file.attribute(phase, "flag_meanings"), file.attribute(phase, "flag_values")
     words = re.split(r"[\s,]+", meanings.lower())
-    codes = [float(each) for each in re.findall(r"-?\d+", values)]
+    codes = [float(code) for code in re.findall(r"-?\d+", values)]
     at_surface = [code for code, word in zip(codes, words, strict=False) if "surface" in word]
-    found = file.series(phase, "")
-    return Series(found.t, np.isin(found.values, at_surface).astype(float)) if at_surface else Series()
+    phases = file.series(phase, "")
+    return Series(phases.t, np.isin(phases.values, at_surface).astype(float)) if at_surface else Series()
 
 
 IMPORTERS = (

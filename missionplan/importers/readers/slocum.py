@@ -52,8 +52,8 @@ def recognises(path: Path, head: bytes) -> bool:
 
 def identity(path: Path) -> Identity:
     """Vehicle that a file's header names, ``full_filename: maria-2022-164-7-0``, or its own name."""
-    found = re.search(rb"full_filename:\s*(\S+)", _header(path))
-    matched = _NAME.match(found[1].decode("latin-1") if found else path.stem)
+    filename = re.search(rb"full_filename:\s*(\S+)", _header(path))
+    matched = _NAME.match(filename[1].decode("latin-1") if filename else path.stem)
     return Identity(matched[1] if matched else "")
 
 
@@ -79,7 +79,7 @@ def read(files: Sequence[Path], options: ReadOptions, log: SourceLog) -> Track:
         for path in log.each(sorted(files, key=lambda path: (_is_factored(path), path))):
             with log.reading(path, library.DbdError):
                 _add(store, library, path, cache)
-    if not log.read and log.passed_over and all("ache file" in each.message for each in log.passed_over):
+    if not log.read and log.passed_over and all("ache file" in problem.message for problem in log.passed_over):
         hint = "name the folder of the .cac files with --cache"
         raise InputError([Problem("no list of its sensors was found", log.passed_over[0].file, hint=hint)])
     t, latitude = store.joined("m_lat")
@@ -101,28 +101,28 @@ def read(files: Sequence[Path], options: ReadOptions, log: SourceLog) -> Track:
     )
 
 
-def _link_sensor_lists(library: ModuleType, folder: Path, files: Sequence[Path], given: Path | None) -> None:
+def _link_sensor_lists(library: ModuleType, folder: Path, files: Sequence[Path], cache: Path | None) -> None:
     """Gather the sensor lists under the names that the library looks for; what it writes goes there too."""
-    places = [given] if given else list(dict.fromkeys(path.parent for path in files))
+    places = [cache] if cache else list(dict.fromkeys(path.parent for path in files))
     for place in places:
-        for found in sorted(each for each in place.rglob("*") if each.suffix.lower() in (".cac", ".ccc")):
-            link = folder / f"{found.stem.lower()}.cac"
+        for sensor_list in sorted(path for path in place.rglob("*") if path.suffix.lower() in (".cac", ".ccc")):
+            link = folder / f"{sensor_list.stem.lower()}.cac"
             if link.exists():
                 continue
-            if found.suffix.lower() == ".cac":
-                link.symlink_to(found.resolve())
+            if sensor_list.suffix.lower() == ".cac":
+                link.symlink_to(sensor_list.resolve())
             else:
-                with library.decompress.Decompressor(str(found)) as packed:
+                with library.decompress.Decompressor(str(sensor_list)) as packed:
                     link.write_bytes(packed.decompress())
 
 
 def _is_factored(path: Path) -> bool:
     """Whether a file refers to a list of its sensors elsewhere: those that hold one are read first."""
     try:
-        found = re.search(rb"sensor_list_factored:\s*(\d)", _header(path))
+        match = re.search(rb"sensor_list_factored:\s*(\d)", _header(path))
     except DAMAGED:
         return True  # it is told when it is read
-    return found is not None and found[1] == b"1"
+    return match is not None and match[1] == b"1"
 
 
 def _check_header(path: Path) -> None:
@@ -133,8 +133,8 @@ def _check_header(path: Path) -> None:
     lines = _header(path).split(b"\n")
     if not lines[0].startswith(b"dbd_label"):
         return  # no such file: the library says so
-    found = next((line.partition(b":")[2] for line in lines if line.startswith(b"num_ascii_tags:")), b"")
-    if not found.strip().isdigit() or int(found) >= len(lines):
+    tag_count = next((line.partition(b":")[2] for line in lines if line.startswith(b"num_ascii_tags:")), b"")
+    if not tag_count.strip().isdigit() or int(tag_count) >= len(lines):
         raise ValueError("its header is cut off")
 
 

@@ -64,8 +64,8 @@ def _first_line(head: bytes) -> list[str]:
 
 def identity(path: Path) -> Identity:
     """Vehicle and mission that the name of a file tells, such as ``sea035.10.gli.sub.12.gz``."""
-    found = _NAME.match(path.name)
-    return Identity(found[1].upper(), f"mission {int(found[2])}") if found else Identity()
+    match = _NAME.match(path.name)
+    return Identity(match[1].upper(), f"mission {int(match[2])}") if match else Identity()
 
 
 def read(files: Sequence[Path], options: ReadOptions, log: SourceLog) -> Track:
@@ -82,14 +82,14 @@ def read(files: Sequence[Path], options: ReadOptions, log: SourceLog) -> Track:
     moved = np.append(begins, (np.diff(latitude) != 0.0) | (np.diff(longitude) != 0.0))[: len(t)]
     back = np.append(False, by_itself[:-1])[: len(t)]  # the first fix after dead reckoning may be the place itself
     new = (moved | back) & ~by_itself
-    own = positions(t[by_itself], latitude[by_itself], longitude[by_itself]) if by_itself.any() else Positions()
+    line = positions(t[by_itself], latitude[by_itself], longitude[by_itself]) if by_itself.any() else Positions()
     return Track(
         name="SeaExplorer",
         format="seaexplorer",
         fixes=fixes(t[new], latitude[new], longitude[new]),
-        reckoned=own,
+        reckoned=line,
         reckoning="the vehicle's own (DeadReckoning is 1)"
-        if len(own)
+        if len(line)
         else "the vehicle's position stands still under water",
         depth=series(t, store["depth"]),
         pitch=series(t, store["pitch"]),
@@ -121,14 +121,14 @@ def _parts(path: Path) -> Iterator[dict[str, Array]]:
 
 
 def _columns(words: Mapping[str, "pd.Series[str]"]) -> dict[str, Array]:
-    given = {role: plain_numbers(each) for role, each in words.items() if role not in ("time", "lat", "lon")}
+    numbers = {role: plain_numbers(column) for role, column in words.items() if role not in ("time", "lat", "lon")}
     latitude, longitude = (angles(words[role], "ddmm") for role in ("lat", "lon"))
     moved = np.append(True, (np.diff(latitude) != 0.0) | (np.diff(longitude) != 0.0))[: len(latitude)]
-    is_fix = moved & ~(given.get("reckoned", np.zeros(len(moved))) == 1.0)
+    is_fix = moved & ~(numbers.get("reckoned", np.zeros(len(moved))) == 1.0)
     kept = {"keep": is_fix.astype(float)} if np.mean(is_fix) < _MOST_FIXES else {}
     few = words["time"].iloc[:: max(len(moved) // 50, 1)]
-    form = max(_TIMES, key=lambda each: int(np.isfinite(times(few, each)).sum()))  # that which fits most of them
-    return {"t": times(words["time"], form), "lat": latitude, "lon": longitude, **given, **kept}
+    form = max(_TIMES, key=lambda name: int(np.isfinite(times(few, name)).sum()))  # that which fits most of them
+    return {"t": times(words["time"], form), "lat": latitude, "lon": longitude, **numbers, **kept}
 
 
 _IVER_COLUMNS = {
@@ -154,8 +154,8 @@ def recognises_iver(path: Path, head: bytes) -> bool:
 
 def identity_iver(path: Path) -> Identity:
     """Vehicle that the name of a file ends with, such as ``20170627_193227_UTC_0_mission1_IVER2-135.log``."""
-    found = _IVER_NAME.search(path.name)
-    return Identity(found[1].upper() if found else "")
+    match = _IVER_NAME.search(path.name)
+    return Identity(match[1].upper() if match else "")
 
 
 def read_iver(files: Sequence[Path], options: ReadOptions, log: SourceLog) -> Track:
@@ -163,14 +163,14 @@ def read_iver(files: Sequence[Path], options: ReadOptions, log: SourceLog) -> Tr
     header = {name.lower() for name in read_header(files[0])}
     names = {}
     for quantity, name in _IVER_COLUMNS.items():
-        usual, there = mapped(quantity, name), {without_unit(each) for each in header}
+        usual, there = mapped(quantity, name), {without_unit(heading) for heading in header}
         if set(usual.name.lower().split("+")) <= there:
             names[quantity] = usual if usual.name.lower() in header else mapped(quantity, usual.name)
     date, notices = _date_form(files, names["time"].name.split("+")[0])
     names["time"] = MappedName(names["time"].name, date if date == "iso" else f"{date} %H:%M:%S")
-    found = track.read(files, replace(options, names={**names, **options.names}), log)
+    iver_track = track.read(files, replace(options, names={**names, **options.names}), log)
     reckoning = "the vehicle's own position under water"
-    return replace(found, name="Iver", format="iver", reckoning=reckoning, notices=(*found.notices, *notices))
+    return replace(iver_track, name="Iver", format="iver", reckoning=reckoning, notices=(*iver_track.notices, *notices))
 
 
 def _date_form(files: Sequence[Path], column: str) -> tuple[str, tuple[str, ...]]:
@@ -181,16 +181,16 @@ def _date_form(files: Sequence[Path], column: str) -> tuple[str, tuple[str, ...]
     written: list[tuple[Path, pd.Series[str]]] = []
     for path in files:
         with suppress(*DAMAGED):  # as the reader says
-            written.append((path, pd.concat([each[column] for each in text_chunks(path, [column])]).drop_duplicates()))
+            written.append((path, pd.concat([rows[column] for rows in text_chunks(path, [column])]).drop_duplicates()))
 
     def fits(form: str) -> tuple[int, int, float]:
-        known, named, span = 0, 0, 0.0
+        count, named, span = 0, 0, 0.0
         for path, words in written:
             days = np.unique(times(words, form) // 86400.0)
             days = days[np.isfinite(days)]
-            known, span = known + len(days), span + float(np.ptp(days) if len(days) else 0.0)
+            count, span = count + len(days), span + float(np.ptp(days) if len(days) else 0.0)
             named += any(f"{np.datetime64(int(day), 'D')}".replace("-", "") in path.name for day in days)
-        return known, named, -span
+        return count, named, -span
 
     best = max(_IVER_DATES, key=fits)
     months, days = (np.concatenate([[], *(times(words, form) for _, words in written)]) for form in _IVER_DATES[:2])

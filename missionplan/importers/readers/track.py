@@ -59,70 +59,76 @@ def read(files: Sequence[Path], options: ReadOptions, log: SourceLog) -> Track:
 
     Raises InputError when tables are given, but not which columns have time and position.
     """
-    store, found = ColumnStore(), Samples(FIX_COLUMNS)
+    store, points = ColumnStore(), Samples(FIX_COLUMNS)
     for path in log.each(sorted(files)):
         with log.reading(path):
             head = head_of(path)
             if is_gpx(path, head):
-                add_gpx(path, found)
+                add_gpx(path, points)
             elif is_nmea(path, head):
-                add_nmea(path, found)
+                add_nmea(path, points)
             else:
                 check_mapping(options.names, path)
                 for part in _parts(path, head, options.names):  # some rows at a time
                     store.add(part)
-    given = fixes(found["t"], found["lat"], found["lon"], hdop=found["hdop"], satellites=found["satellites"],
-                  valid=found["valid"])  # fmt: skip
-    return _track(files, store, given, options)
+    gps_fixes = fixes(
+        points["t"],
+        points["lat"],
+        points["lon"],
+        hdop=points["hdop"],
+        satellites=points["satellites"],
+        valid=points["valid"],
+    )
+    return _track(files, store, gps_fixes, options)
 
 
 def _parts(path: Path, head: bytes, names: Mapping[str, MappedName]) -> Iterator[dict[str, Array]]:
-    columns = {quantity: each for quantity, each in names.items() if quantity not in _NO_COLUMNS}
+    columns = {quantity: column for quantity, column in names.items() if quantity not in _NO_COLUMNS}
     if head.startswith(MAGIC):
         with opened(path, "track") as data:
             yield from mapped_parts(Variables(data), columns)
         return
-    wanted = [each.name for each in columns.values()]
+    wanted = [column.name for column in columns.values()]
     for number, chunk in enumerate(text_chunks(path, wanted)):
         if number == 0 and len(chunk):
             heading = {asked: name for name, asked in _header(path, wanted)[2].items()}
-            for quantity, each in columns.items():
-                unit = own_unit(each, quantity, heading.get(each.name, ""), chunk[each.name][0])
-                columns[quantity] = MappedName(each.name, unit)
-        found = _of_text(chunk, columns)
+            for quantity, column in columns.items():
+                unit = own_unit(column, quantity, heading.get(column.name, ""), chunk[column.name][0])
+                columns[quantity] = MappedName(column.name, unit)
+        part = _of_text(chunk, columns)
         if "time" in columns:
-            _check_times(chunk[columns["time"].name], found["t"], columns["time"], is_first=number == 0)
-        yield found
+            _check_times(chunk[columns["time"].name], part["t"], columns["time"], is_first=number == 0)
+        yield part
 
 
-def _check_times(words: "pd.Series[str]", found: Array, asked: MappedName, *, is_first: bool) -> None:
+def _check_times(words: "pd.Series[str]", t: Array, asked: MappedName, *, is_first: bool) -> None:
     """Refuse rows whose times are not of the form asked for: day and month exchanged are read up to the 12th.
 
     Raises PartlyReadError where rows before were read.
     """
-    is_other = ((words.str.strip() != "") & ~np.isfinite(found)).to_numpy()
-    if is_other.sum() > max(_OTHER * len(words), _FEW) or (is_other.any() and not np.isfinite(found).any()):
+    is_other = ((words.str.strip() != "") & ~np.isfinite(t)).to_numpy()
+    if is_other.sum() > max(_OTHER * len(words), _FEW) or (is_other.any() and not np.isfinite(t).any()):
         shown = words[is_other].iloc[0].strip()
         message = f"{is_other.sum()} of {len(words)} times in {asked.name} are not as {asked.unit} says: {shown!r:.60}"
         raise ValueError(message) if is_first else PartlyReadError(message)
 
 
 def _of_text(chunk: pd.DataFrame, columns: Mapping[str, MappedName]) -> dict[str, Array]:
-    found: dict[str, Array] = {}
-    for quantity, each in columns.items():
-        words = chunk[each.name]
+    part: dict[str, Array] = {}
+    for quantity, column in columns.items():
+        words = chunk[column.name]
         if quantity == "time":
-            found["t"] = times(words, each.unit)
+            part["t"] = times(words, column.unit)
         elif quantity in _ANGLES:
-            found[quantity] = angles(words, each.unit)
+            part[quantity] = angles(words, column.unit)
         elif quantity == "valid":
-            found[quantity] = flags(words)
+            part[quantity] = flags(words)
         else:
-            found[quantity] = quantities(words, each.unit, QUANTITIES[quantity])
-    return found
+            part[quantity] = quantities(words, column.unit, QUANTITIES[quantity])
+    return part
 
 
-def _track(files: Sequence[Path], store: ColumnStore, given: Fixes, options: ReadOptions) -> Track:
+def _track(files: Sequence[Path], store: ColumnStore, fixes: Fixes, options: ReadOptions) -> Track:
     names, t = options.names, store["t"]
     heading = "heading_true" if "heading_true" in names else "heading"
 
@@ -132,7 +138,7 @@ def _track(files: Sequence[Path], store: ColumnStore, given: Fixes, options: Rea
     track = Track(
         name=files[0].stem,
         format="track",
-        fixes=given,
+        fixes=fixes,
         depth=channel("depth"),
         pitch=channel("pitch"),
         heading=channel(heading),
@@ -153,34 +159,34 @@ def split_track(name: str, format_name: str, store: ColumnStore, names: Mapping[
 
 def _with_positions(track: Track, store: ColumnStore, names: Mapping[str, MappedName]) -> Track:
     """Add fixes and dead-reckoned positions: of columns of their own, else of the one position that there is."""
-    origin, given = origin_of(names.get("origin")), len(track.fixes) > 0
-    own = _places(store, names, "", track.fixes, origin) or Positions()
-    if not given:
-        rows = np.searchsorted(store["t"], own.t)
+    origin, has_fixes = origin_of(names.get("origin")), len(track.fixes) > 0
+    line = _places(store, names, "", track.fixes, origin) or Positions()
+    if not has_fixes:
+        rows = np.searchsorted(store["t"], line.t)
         quality = {name: store[quantity][rows] for name, quantity in _QUALITIES.items() if quantity in names}
-        track = replace(track, fixes=fixes(own.t, own.latitude, own.longitude, **quality))
+        track = replace(track, fixes=fixes(line.t, line.latitude, line.longitude, **quality))
     reckoned = _places(store, names, "dr_", track.fixes, origin)
     if reckoned is not None:
         return replace(track, reckoned=reckoned, reckoning="the track's own dead-reckoned columns")
-    if given and len(own):
-        return replace(track, reckoned=own, reckoning="the table's positions, with fixes of other files")
-    return split_at_surface(track, own)
+    if has_fixes and len(line):
+        return replace(track, reckoned=line, reckoning="the table's positions, with fixes of other files")
+    return split_at_surface(track, line)
 
 
 def _places(
-    store: ColumnStore, names: Mapping[str, MappedName], prefix: str, known: Fixes, origin: tuple[float, float] | None
+    store: ColumnStore, names: Mapping[str, MappedName], prefix: str, fixes: Fixes, origin: tuple[float, float] | None
 ) -> Positions | None:
     if f"{prefix}lat" in names and f"{prefix}lon" in names:
         return positions(store["t"], store[f"{prefix}lat"], store[f"{prefix}lon"])
     if f"{prefix}x" in names and f"{prefix}y" in names:
-        return plane_positions(store["t"], store[f"{prefix}x"], store[f"{prefix}y"], known, origin)
+        return plane_positions(store["t"], store[f"{prefix}x"], store[f"{prefix}y"], fixes, origin)
     return None
 
 
 def _marks(t: Array, values: Array) -> tuple[float, ...]:
     """Times at which a mark rises from nothing or 0."""
     up = np.nan_to_num(values) > 0.0
-    return tuple(float(each) for each in t[up & ~np.append(False, up[:-1])])
+    return tuple(float(moment) for moment in t[up & ~np.append(False, up[:-1])])
 
 
 _OTHER = 0.05
@@ -205,10 +211,18 @@ def text_chunks(path: Path, wanted: Sequence[str]) -> Iterator[pd.DataFrame]:
     line, separator, there = _header(path, wanted)
     with _opened(path) as stream:
         table = pd.read_csv(
-            stream, sep=separator, skiprows=line, usecols=lambda name: name.strip() in there, dtype=str,
-            keep_default_na=False, skipinitialspace=True, chunksize=_ROWS, on_bad_lines="skip", engine="c",
+            stream,
+            sep=separator,
+            skiprows=line,
+            usecols=lambda name: name.strip() in there,
+            dtype=str,
+            keep_default_na=False,
+            skipinitialspace=True,
+            chunksize=_ROWS,
+            on_bad_lines="skip",
+            engine="c",
             index_col=False,
-        )  # fmt: skip
+        )
         for chunk in table:
             chunk.columns = [there[str(name).strip()] for name in chunk.columns]
             yield pd.DataFrame({name: _joined(chunk, name) for name in wanted})
@@ -252,7 +266,7 @@ def _header(path: Path, wanted: Sequence[str]) -> tuple[int, str, dict[str, str]
         for number, line in zip(range(_PREFACE), stream, strict=False):
             for separator in (*_SEPARATORS, r"\s+"):
                 names = [cell.strip() for cell in _cells(line, separator)]
-                by_case = {each(name).lower(): name for each in (without_unit, str) for name in reversed(names)}
+                by_case = {convert(name).lower(): name for convert in (without_unit, str) for name in reversed(names)}
                 there = {name if name in names else by_case.get(name.lower(), ""): name for name in columns}
                 if "" not in there:
                     return number, separator, there

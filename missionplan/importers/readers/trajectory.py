@@ -68,23 +68,23 @@ def read(files: Sequence[Path], options: ReadOptions, log: SourceLog) -> Track:
         with log.reading(path), opened(path, "trajectory") as data:
             one, title = _one(data, path, options.vehicle)
             file = Variables(one)
-            found = {quantity: file.find(*known, standard=standard) for quantity, (known, standard) in _NAMES.items()}
-            if found["lat"] is None or found["lon"] is None:
+            columns = {quantity: file.find(*alias, standard=standard) for quantity, (alias, standard) in _NAMES.items()}
+            if columns["lat"] is None or columns["lon"] is None:
                 raise ValueError("no variables of the standard names latitude and longitude")
-            if any("interpolat" in file.attribute(found[axis] or "", "comment").lower() for axis in ("lat", "lon")):
+            if any("interpolat" in file.attribute(columns[axis] or "", "comment").lower() for axis in ("lat", "lon")):
                 _refuse([path], options, log)
-            said = " ".join(file.attribute(found["heading_true"] or "", of) for of in ("long_name", "comment"))
+            said = " ".join(file.attribute(columns["heading_true"] or "", of) for of in ("long_name", "comment"))
             if "magnetic" in said.lower():
-                found["heading"] = found.pop("heading_true")
-            _add(store, file, found)
-            names |= {quantity: MappedName(name, QUANTITIES[quantity]) for quantity, name in found.items() if name}
+                columns["heading"] = columns.pop("heading_true")
+            _add(store, file, columns)
+            names |= {quantity: MappedName(name, QUANTITIES[quantity]) for quantity, name in columns.items() if name}
     return split_track(f"trajectory {title or files[0].stem}", "trajectory", store, names)
 
 
-def _add(store: ColumnStore, file: Variables, found: dict[str, str | None]) -> None:
+def _add(store: ColumnStore, file: Variables, columns: dict[str, str | None]) -> None:
     """Add the variables, those along one dimension with its clock."""
     along: dict[str, dict[str, np.ndarray]] = {}
-    for quantity, name in found.items():
+    for quantity, name in columns.items():
         if name is None:
             continue
         part = along.setdefault(file.dimension(name), {"t": file.clock(name)})
@@ -105,7 +105,7 @@ def _one(data: "Dataset", path: Path, wanted: str | None) -> tuple["Dataset", st
     """
     role = _role(data)
     values = np.empty(0) if role is None else np.atleast_1d(data[role].values)
-    names = [(each.decode("utf-8", "replace") if isinstance(each, bytes) else str(each)).strip() for each in values]
+    names = [(value.decode("utf-8", "replace") if isinstance(value, bytes) else str(value)).strip() for value in values]
     if role is None or len(names) < 2:
         return data, names[0] if names else ""
     if wanted is None or wanted not in names:

@@ -50,12 +50,12 @@ def check_ranges(sections: Sequence[tuple[str, object]], phases: Sequence[Phase]
     Findings
         By key path from the top of the mission.
     """
-    found = Findings()
+    findings = Findings()
     for name, section in sections:
-        found += _of(section, (name,))
+        findings += _of(section, (name,))
     for index, phase in enumerate(phases):
-        found += _of(phase, ("phases", index, phase.kind))
-    return found
+        findings += _of(phase, ("phases", index, phase.kind))
+    return findings
 
 
 def ends(quantity: Quantity) -> tuple[float, float]:
@@ -66,10 +66,10 @@ def ends(quantity: Quantity) -> tuple[float, float]:
 
 
 def _of(value: object, path: KeyPath) -> Findings:
-    found = Findings()
+    findings = Findings()
     for inner, quantity, limit in _limited(value, path, None):
-        found += _compared(inner, quantity, limit)
-    return found
+        findings += _compared(inner, quantity, limit)
+    return findings
 
 
 def _limited(value: object, path: KeyPath, limit: Limit | None) -> Iterator[tuple[KeyPath, Quantity, Limit]]:
@@ -88,7 +88,7 @@ def _limited(value: object, path: KeyPath, limit: Limit | None) -> Iterator[tupl
 
 def _limit_of(field: FieldInfo) -> Limit | None:
     """Return what a field may be, with the unit of the numbers."""
-    limit = next((each for each in field.metadata if isinstance(each, Limit)), None)
+    limit = next((annotation for annotation in field.metadata if isinstance(annotation, Limit)), None)
     return limit if limit is None or limit.unit is not None else replace(limit, unit=parsers_of(field)[0].unit)
 
 
@@ -98,12 +98,12 @@ def _compared(path: KeyPath, quantity: Quantity, limit: Limit) -> Findings:
     low, high = (scale * end for end in ends(quantity))
     if limit.signed:
         low, high = (0.0 if low < 0.0 < high else min(abs(low), abs(high))), max(abs(low), abs(high))
-    given = f"{four_digits(low)} {unit}" if low == high else f"{four_digits(low)} to {four_digits(high)} {unit}"
+    span = f"{four_digits(low)} {unit}" if low == high else f"{four_digits(low)} to {four_digits(high)} {unit}"
     if low < limit.possible[0] or high > limit.possible[1]:
-        message = f"{given.strip()} is impossible: expected {_range(limit.possible, unit)} ({limit.source})"
+        message = f"{span.strip()} is impossible: expected {_range(limit.possible, unit)} ({limit.source})"
         return Findings(problems=(LocalProblem(path, message),))
     if 0.0 < low < limit.usual[0] or high > limit.usual[1]:
-        message = f"{given.strip()} is unusual: {limit.source}. Is the unit right?"
+        message = f"{span.strip()} is unusual: {limit.source}. Is the unit right?"
         return Findings(notices=(LocalProblem(path, message),))
     return Findings()
 
@@ -111,14 +111,14 @@ def _compared(path: KeyPath, quantity: Quantity, limit: Limit) -> Findings:
 def check_effects(effects: Sequence[EffectEntry]) -> Findings:
     """Compare what a mission states of its effects with the catalogue's plausible sizes; draws have units already."""
     notices = []
-    for entry in (each for each in effects if each.explanation is None or each.explanation[0] != POSTERIOR):
+    for entry in (entry for entry in effects if entry.explanation is None or entry.explanation[0] != POSTERIOR):
         for name, quantity in entry.parameters.items():
-            known = CATALOGUE[entry.effect].parameters[name]
+            parameter = CATALOGUE[entry.effect].parameters[name]
             low, high = ends(quantity)
-            size, most = max(abs(low), abs(high)), EFFECT_SCALES * known.scale
-            if known.scale > 0.0 and size > most:
-                given, within = (f"{four_digits(number)} {known.unit}".rstrip() for number in (size, most))
-                message = f"{given} is unusual: the catalogue's plausible sizes are within {within}. Is the unit right?"
+            size, most = max(abs(low), abs(high)), EFFECT_SCALES * parameter.scale
+            if parameter.scale > 0.0 and size > most:
+                value, within = (f"{four_digits(number)} {parameter.unit}".rstrip() for number in (size, most))
+                message = f"{value} is unusual: the catalogue's plausible sizes are within {within}. Is the unit right?"
                 notices.append(LocalProblem((*entry.path, entry.effect, name), message))
     return Findings(notices=tuple(notices))
 

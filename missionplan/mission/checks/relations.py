@@ -48,14 +48,14 @@ def check_relations(
     problems: list[LocalProblem] = []
     notices: list[LocalProblem] = []
     for index, phase in enumerate(phases):
-        found: list[LocalProblem] = []
+        faults: list[LocalProblem] = []
         if isinstance(phase, TransitPhase):
-            found += _transit(phase, depth, navigation)
+            faults += _transit(phase, depth, navigation)
         elif isinstance(phase, MoorPhase):
-            found += _mooring(phase, depth, vehicle)
+            faults += _mooring(phase, depth, vehicle)
             asked = (*_cover(phase, depth, vehicle), *_weightless(phase))
             notices += [notice.within(phase_path(index, phase)) for notice in asked]
-        problems += [problem.within(phase_path(index, phase)) for problem in found]
+        problems += [problem.within(phase_path(index, phase)) for problem in faults]
     problems += _anchors(phases, vehicle)
     problems += _way(phases, site, navigation)
     problems += _layers(site, depth)
@@ -156,8 +156,8 @@ def _way(phases: Sequence[Phase], site: Site | None, navigation: Navigation | No
             continue
         path = phase_path(index, phase)
         for key, position in (("from", phase.start), ("to", phase.to)):
-            found = _planar(position, site)
-            if found is not None and (away := math.hypot(*found)) > FARTHEST:
+            point = _planar(position, site)
+            if point is not None and (away := math.hypot(*point)) > FARTHEST:
                 message = f"lies {away / 1e3:.4g} km from the origin; expected at most {FARTHEST / 1e3:g} km"
                 hint = "the plane of the coordinates stretches distances by 0.1 % there"
                 yield LocalProblem((*path, key), message, hint)

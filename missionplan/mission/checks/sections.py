@@ -51,14 +51,14 @@ def check_phases(
     problems: list[LocalProblem] = []
     counts = Counter(phase.label for phase in phases)
     for index, phase in enumerate(phases):
-        found: list[LocalProblem] = []
+        faults: list[LocalProblem] = []
         if phase.label == "total" or counts[phase.label] > 1:
-            found.append(LocalProblem(("name",), f"given {shown(phase.label)}; each phase needs a name of its own"))
+            faults.append(LocalProblem(("name",), f"given {shown(phase.label)}; each phase needs a name of its own"))
         if isinstance(phase, TransitPhase):
-            found += _transit(phase, site, vehicle, is_first=index == 0)
+            faults += _transit(phase, site, vehicle, is_first=index == 0)
             if navigation is None:
-                found.append(LocalProblem((), "a transit needs the section `navigation`"))
-        problems += [problem.within(phase_path(index, phase)) for problem in found]
+                faults.append(LocalProblem((), "a transit needs the section `navigation`"))
+        problems += [problem.within(phase_path(index, phase)) for problem in faults]
     names = [phase.name for phase in phases if isinstance(phase, TransitPhase)]
     if sweep.phase is not None and sweep.phase not in names:
         message = f"given {sweep.phase!r}, expected a transit: {', '.join(names)}"
@@ -101,9 +101,9 @@ def check_site(site: Site | None, phases: Sequence[Phase]) -> list[LocalProblem]
         return []
     problems = list(_layers(site, site.current))
     for index, phase in enumerate(phases):
-        given = phase.design_current if isinstance(phase, MoorPhase) else None
-        if isinstance(given, tuple) and len(given) != len(site.current):
-            message = f"has {counted(len(given), 'speed')}; site.current has {counted(len(site.current), 'layer')}"
+        speeds = phase.design_current if isinstance(phase, MoorPhase) else None
+        if isinstance(speeds, tuple) and len(speeds) != len(site.current):
+            message = f"has {counted(len(speeds), 'speed')}; site.current has {counted(len(site.current), 'layer')}"
             problems.append(LocalProblem((*phase_path(index, phase), "design_current"), message))
     return problems
 
@@ -122,14 +122,14 @@ def _layers(site: Site, layers: Sequence[CurrentLayer]) -> Iterator[LocalProblem
 
 
 def _constituents(current: TidalCurrent) -> Iterator[LocalProblem]:
-    known = constituent_names()
+    names = constituent_names()
     for row, depth in enumerate(current.tide.depths):
         for column, wave in enumerate(depth.constituents):
             path = ("site", "current", "tide", "depths", row, "constituents", column, "name")
-            if wave.name not in known:
-                hint = did_you_mean(wave.name.upper(), known) or f"such as {', '.join(_MAIN)}"
+            if wave.name not in names:
+                hint = did_you_mean(wave.name.upper(), names) or f"such as {', '.join(_MAIN)}"
                 yield LocalProblem(path, f"given {shown(wave.name)}, which is no constituent that UTide knows", hint)
-            elif wave.name in (each.name for each in depth.constituents[:column]):
+            elif wave.name in (constituent.name for constituent in depth.constituents[:column]):
                 yield LocalProblem(path, f"given {shown(wave.name)} a second time at this depth")
 
 
@@ -233,16 +233,16 @@ def quantity_unit(quantity: str, phases: Sequence[Phase | PhaseName]) -> str | N
     kinds = {phase.name: phase.kind for phase in phases} | {"total": "total"}
     phase, _, name = quantity.rpartition(".")
     if phase not in kinds:
-        known = [*(each.label for each in phases), "total"]
-        hint = did_you_mean(phase, known, before="; ")
-        raise QuantityError(f"given {phase!r}, expected a phase: {', '.join(known)}{hint}", ("quantity",))
+        choices = [*(phase.label for phase in phases), "total"]
+        hint = did_you_mean(phase, choices, before="; ")
+        raise QuantityError(f"given {phase!r}, expected a phase: {', '.join(choices)}{hint}", ("quantity",))
     events, quantities = EVENTS[kinds[phase]], QUANTITIES[kinds[phase]]
     if name in events:
         return None
     if name not in quantities:
-        known = [*events, *quantities]
-        hint = did_you_mean(name, known, before="; ")
-        raise QuantityError(f"given {name!r}, expected one of {', '.join(known)}{hint}", ("quantity",))
+        choices = [*events, *quantities]
+        hint = did_you_mean(name, choices, before="; ")
+        raise QuantityError(f"given {name!r}, expected one of {', '.join(choices)}{hint}", ("quantity",))
     return quantities[name]
 
 
@@ -256,16 +256,16 @@ def _with_bound(requirement: Requirement, phases: Sequence[Phase]) -> Requiremen
     needed = (_NEEDED.get(name, "name"), "line_material") if name in _NEEDED else ("name",)
     if any(phase.name == owner and all(getattr(phase, key) is None for key in needed) for phase in phases):
         raise QuantityError(f"{name} needs {' or '.join(needed)} in {owner}", ("quantity",))
-    given = [key for key in _BOUNDS if getattr(requirement, key) is not None]
+    keys = [key for key in _BOUNDS if getattr(requirement, key) is not None]
     if unit is None:
-        if given:
+        if keys:
             message = f"{name} is an event: give only its probability"
-            raise QuantityError([LocalProblem((key,), message) for key in given])
+            raise QuantityError([LocalProblem((key,), message) for key in keys])
         return requirement
-    if len(given) != 1:
+    if len(keys) != 1:
         raise QuantityError(f"{name} needs either at_most or at_least", ("quantity",))
     try:
-        bound = QuantityParser(unit, fixed=True).parse(getattr(requirement, given[0]))
+        bound = QuantityParser(unit, fixed=True).parse(getattr(requirement, keys[0]))
     except QuantityError as error:
-        raise QuantityError([problem.within((given[0],)) for problem in error.problems]) from None
-    return requirement.model_copy(update={given[0]: bound})
+        raise QuantityError([problem.within((keys[0],)) for problem in error.problems]) from None
+    return requirement.model_copy(update={keys[0]: bound})

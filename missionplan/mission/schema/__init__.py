@@ -78,12 +78,12 @@ def _read_identity(value: object) -> str:
 
 def _read_schema(kind: str, value: object) -> str:
     latest = SCHEMAS[kind]
-    found = re.fullmatch(rf"missionplan/{kind}/([1-9][0-9]*)", value) if isinstance(value, str) else None
-    if found is None:
+    match = re.fullmatch(rf"missionplan/{kind}/([1-9][0-9]*)", value) if isinstance(value, str) else None
+    if match is None:
         raise invalid(f"given {shown(value)}, expected missionplan/{kind}/{latest}")
-    if int(found[1]) > latest:
+    if int(match[1]) > latest:
         raise invalid(f"given {shown(value)}, of a newer missionplan; this one reads up to missionplan/{kind}/{latest}")
-    return found[0]
+    return match[0]
 
 
 SCHEMAS = {"mission": 1, "vehicle": 1, "dataset": 1}

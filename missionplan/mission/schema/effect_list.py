@@ -95,20 +95,20 @@ class OneOf(Generic[V]):
     @property
     def entries(self) -> tuple[EffectEntry[V], ...]:
         """Effects of every explanation."""
-        return tuple(entry for each in self.explanations for entry in each.effects)
+        return tuple(entry for explanation in self.explanations for entry in explanation.effects)
 
     @property
     def probabilities(self) -> tuple[float, ...]:
         """Of each explanation, and of none where they leave more than rounding."""
-        given = tuple(explanation.probability for explanation in self.explanations)
-        left = 1.0 - sum(given)
-        return (*given, left) if left > ROUNDING else given
+        shares = tuple(explanation.probability for explanation in self.explanations)
+        left = 1.0 - sum(shares)
+        return (*shares, left) if left > ROUNDING else shares
 
     @property
     def causes(self) -> tuple[tuple[str, ...], ...]:
         """Names of the effects of each of these; empty for none."""
-        found = tuple(explanation.causes for explanation in self.explanations)
-        return (*found, ()) if len(self.probabilities) > len(found) else found
+        causes = tuple(explanation.causes for explanation in self.explanations)
+        return (*causes, ()) if len(self.probabilities) > len(causes) else causes
 
     @property
     def told_apart(self) -> tuple[int, ...]:
@@ -184,12 +184,12 @@ class Learned(Generic[V]):
     def knowing(self, number: int) -> "Learned[V]":
         """Return it with a set known to hold: its effects alone, with its draws."""
         stated = {entry.effect for entry in self.entries}
-        own = tuple(
-            replace(each, explanation=(POSTERIOR, (number,)))
-            for each in effects_of_draws(self.draws.of_set(number))
-            if each.effect in stated
+        entries = tuple(
+            replace(entry, explanation=(POSTERIOR, (number,)))
+            for entry in effects_of_draws(self.draws.of_set(number))
+            if entry.effect in stated
         )
-        return replace(self, entries=cast("tuple[EffectEntry[V], ...]", own), known=number, drawn=None)
+        return replace(self, entries=cast("tuple[EffectEntry[V], ...]", entries), known=number, drawn=None)
 
     @property
     def held(self) -> WeightedDraws:
@@ -208,34 +208,34 @@ class Learned(Generic[V]):
 
 def effects_of_draws(draws: WeightedDraws) -> tuple[EffectEntry, ...]:
     """Return each effect of draws once, with its parameters and the sets with which it holds."""
-    found = []
+    entries = []
     for effect in draws.effects:
-        numbers = tuple(number for number, held in enumerate(draws.sets) if effect in held)
-        own = [column for column in draws.columns if column[0] == effect]
-        typical = _typical(draws, own)
-        parameters = {name: draws.distribution((effect, name), typical[name]) for _, name in own}
-        found.append(EffectEntry(effect, parameters, (POSTERIOR,), (POSTERIOR, numbers)))
-    return tuple(found)
+        numbers = tuple(number for number, effects in enumerate(draws.sets) if effect in effects)
+        columns = [column for column in draws.columns if column[0] == effect]
+        typical = _typical(draws, columns)
+        parameters = {name: draws.distribution((effect, name), typical[name]) for _, name in columns}
+        entries.append(EffectEntry(effect, parameters, (POSTERIOR,), (POSTERIOR, numbers)))
+    return tuple(entries)
 
 
 def _typical(draws: WeightedDraws, columns: Sequence[Column]) -> Mapping[str, float]:
     """Parameters of an effect that stand for its draws: means, of sizes and times medians, of a vector its mean."""
-    found = {}
+    typical = {}
     for effect, name in columns:
         values, weights = draws.column((effect, name))
         if CATALOGUE[effect].parameters[name].is_shape:
             order = np.argsort(values)
             middle = np.searchsorted(np.cumsum(weights[order]), 0.5 * weights.sum())
-            found[name] = float(values[order[min(middle, len(order) - 1)]])
+            typical[name] = float(values[order[min(middle, len(order) - 1)]])
         else:
-            found[name] = float(np.average(values, weights=weights))
+            typical[name] = float(np.average(values, weights=weights))
     for amplitude, phase in CATALOGUE[columns[0][0]].polar if columns else ():
-        if amplitude in found and phase in found:
+        if amplitude in typical and phase in typical:
             (sizes, weights), (angles, _) = (draws.column((columns[0][0], name)) for name in (amplitude, phase))
             turned: Array = sizes * np.exp(1j * angles)
             mean = complex(np.average(turned, weights=weights))
-            found[amplitude], found[phase] = float(np.abs(mean)), float(np.angle(mean))
-    return found
+            typical[amplitude], typical[phase] = float(np.abs(mean)), float(np.angle(mean))
+    return typical
 
 
 @dataclass(frozen=True)
@@ -255,10 +255,10 @@ class EffectList(Generic[V]):
     @property
     def known(self) -> tuple[EffectEntry[V], ...]:
         """The effects that are known to hold: without those of explanations that may not."""
-        known: set[tuple[str, tuple[int | None, ...]]] = {(item.place, (item.known,)) for item in self.doubts}
+        explanations: set[tuple[str, tuple[int | None, ...]]] = {(item.place, (item.known,)) for item in self.doubts}
         if self.learned is not None and self.learned.known is None:
-            known.add((POSTERIOR, tuple(range(len(self.learned.draws.sets)))))  # in every set
-        return tuple(entry for entry in self.entries if entry.explanation is None or entry.explanation in known)
+            explanations.add((POSTERIOR, tuple(range(len(self.learned.draws.sets)))))  # in every set
+        return tuple(entry for entry in self.entries if entry.explanation is None or entry.explanation in explanations)
 
     @property
     def doubts(self) -> tuple[OneOf[V] | Learned[V], ...]:
@@ -270,8 +270,11 @@ class EffectList(Generic[V]):
 
         def changed(item: Any) -> Any:
             if isinstance(item, OneOf):
-                own = (replace(each, effects=tuple(map(change, each.effects))) for each in item.explanations)
-                return replace(item, explanations=tuple(own))
+                explanations = (
+                    replace(explanation, effects=tuple(map(change, explanation.effects)))
+                    for explanation in item.explanations
+                )
+                return replace(item, explanations=tuple(explanations))
             return change(item) if isinstance(item, EffectEntry) else item
 
         return EffectList(tuple(map(changed, self.items)))
@@ -284,8 +287,8 @@ class EffectList(Generic[V]):
     def having_learned(self, draws: WeightedDraws) -> "EffectList":
         """Return the list with a posterior: what the mission states of an effect goes before what was learned of it."""
         stated = {entry.effect for entry in self.entries}
-        own = tuple(entry for entry in effects_of_draws(draws) if entry.effect not in stated)
-        return EffectList((*cast("tuple[Any, ...]", self.items), Learned(draws, own)))
+        entries = tuple(entry for entry in effects_of_draws(draws) if entry.effect not in stated)
+        return EffectList((*cast("tuple[Any, ...]", self.items), Learned(draws, entries)))
 
     def stream_of(self, entry: EffectEntry[V], parameter: str) -> str:
         """Name of the random stream from which a parameter is drawn: the same for all of a posterior."""
@@ -299,11 +302,11 @@ class EffectList(Generic[V]):
         An effect in doubt has the numbers that it would have if it always held; of several entries of one effect the
         first has them, one that always holds before the others.
         """
-        found: dict[str, str] = {}
-        for entry in sorted(self.entries, key=lambda each: each.explanation is not None):
+        names: dict[str, str] = {}
+        for entry in sorted(self.entries, key=lambda entry: entry.explanation is not None):
             name = f"effects.{entry.effect}"
-            found[entry.place] = entry.place if name in found.values() else name
-        return found
+            names[entry.place] = entry.place if name in names.values() else name
+        return names
 
     def mapped(self, change: Callable[[str, Any], Any]) -> "EffectList[Any]":
         """Return the list with every parameter, and which explanations hold, changed, given names and values."""
@@ -316,6 +319,6 @@ class EffectList(Generic[V]):
             if isinstance(item, EffectEntry) or item.place != place:
                 items.append(item)
             else:
-                known = item.knowing(number) if isinstance(item, Learned) else replace(item, known=number, drawn=None)
-                items.append(known)
+                doubt = item.knowing(number) if isinstance(item, Learned) else replace(item, known=number, drawn=None)
+                items.append(doubt)
         return EffectList(tuple(items))

@@ -87,9 +87,9 @@ class TransitPhase(PhaseSection, Generic[V]):
 
     @model_validator(mode="after")
     def _one_of_speed_and_shaft_rate(self) -> Self:
-        given = self.model_fields_set & {"speed", "shaft_rate"}
-        if len(given) != 1:
-            raise invalid("expected exactly one of speed and shaft_rate" if given else "missing", ("speed",))
+        keys = self.model_fields_set & {"speed", "shaft_rate"}
+        if len(keys) != 1:
+            raise invalid("expected exactly one of speed and shaft_rate" if keys else "missing", ("speed",))
         return self
 
 

@@ -151,10 +151,10 @@ class QuantityParser:
             return self._choices(value["choices"])
         numbers: dict[str, float] = {}
         problems: list[LocalProblem] = []
-        for key, given in value.items():
+        for key, text in value.items():
             unit = "" if key == "factor" else self.unit
             try:
-                numbers[key] = parse_number_with_unit(given, unit, difference=key == "sd")
+                numbers[key] = parse_number_with_unit(text, unit, difference=key == "sd")
             except QuantityError as error:
                 problems.append(LocalProblem((key,), str(error)))
         if problems:
@@ -164,8 +164,8 @@ class QuantityParser:
         if isinstance(distribution, LogNormal):  # its tail carries the mean far out of a range that holds most of it
             name, middle = "median", distribution.median
         if not self.low <= middle <= self.high:
-            given = f"{middle:g} {self.unit}".strip()
-            raise QuantityError(f"the distribution's {name} is {given}, expected {self._range_in_words()}")
+            text = f"{middle:g} {self.unit}".strip()
+            raise QuantityError(f"the distribution's {name} is {text}, expected {self._range_in_words()}")
         if self.low == -math.inf and self.high == math.inf:
             return distribution
         return cast("Distribution", distribution.truncated(self.low, self.high))
@@ -175,7 +175,7 @@ class QuantityParser:
             raise QuantityError(f"given {shown(values)}, expected a list of values", ("choices",))
         if len(values) > _MAX_CHOICES:
             raise QuantityError(f"given {len(values)} values, expected at most {_MAX_CHOICES}", ("choices",))
-        return Choices(tuple(each_read(values, lambda _, given: self._constant(given), ("choices",))))
+        return Choices(tuple(each_read(values, lambda _, choice: self._constant(choice), ("choices",))))
 
 
 @dataclass(frozen=True)

@@ -95,8 +95,8 @@ class WaterSection(FileSection, Generic[V]):
     def _one_pair(self) -> Self:
         by_state = self.temperature is not None and self.salinity is not None
         by_value = self.density is not None and self.viscosity is not None
-        given = sum(value is not None for value in (self.temperature, self.salinity, self.density, self.viscosity))
-        if given != 2 or not (by_state or by_value):
+        count = sum(value is not None for value in (self.temperature, self.salinity, self.density, self.viscosity))
+        if count != 2 or not (by_state or by_value):
             raise invalid("expected {temperature, salinity} or {density, viscosity}")
         return self
 

@@ -56,14 +56,14 @@ class _Hazard(FileSection, Generic[V]):
     @model_validator(mode="after")
     def _one_law(self) -> Self:
         pairs = {"rate": ("rate",), "counts": ("failures", "exposure"), "Weibull": ("shape", "scale")}
-        given = {law: [key for key in keys if getattr(self, key) is not None] for law, keys in pairs.items()}
+        laws = {law: [key for key in keys if getattr(self, key) is not None] for law, keys in pairs.items()}
         problems = [
             LocalProblem((key,), "missing; failures and exposure, shape and scale are given together")
             for law, keys in pairs.items()
             for key in keys
-            if given[law] and key not in given[law]
+            if laws[law] and key not in laws[law]
         ]
-        if not problems and sum(bool(keys) for keys in given.values()) != 1:
+        if not problems and sum(bool(keys) for keys in laws.values()) != 1:
             problems = [LocalProblem((), "expected one of rate, {failures, exposure} and {shape, scale}")]
         if problems:
             raise all_invalid(problems)

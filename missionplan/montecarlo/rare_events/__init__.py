@@ -178,12 +178,12 @@ def run_pilots(
     *,
     chains: int = PILOT_CHAINS,
     negligible: float = 0.0,
-    known: float = 0.0,
+    chance: float = 0.0,
 ) -> tuple[Levels, ...]:
     """Choose levels and spreads for each group by an adaptive run.
 
     `chains`: in each group. `negligible`: a group ends without a failure when what is left to it is less than this
-    share of the most probable failure that a group has found, or is known. `known`: probability of a failure that is
+    share of the most probable failure that a group has found, or is known. `chance`: probability of a failure that is
     known.
     """
     pilots = tuple(Levels([math.inf], [], []) for _ in range(groups))
@@ -191,21 +191,21 @@ def run_pilots(
     while states.groups.size:
         running = [pilots[group] for group in states.groups]
         visited, spread = _explored(drive, states, running, spread, generator, tuned=True)
-        values = _together(visited, [each.margins for each in visited])
-        found = [_next_threshold(row, each.thresholds[-1]) for row, each in zip(values, running, strict=True)]
-        for levels, row, used, threshold in zip(running, values, spread, found, strict=True):
+        values = _together(visited, [visit.margins for visit in visited])
+        thresholds = [_next_threshold(row, levels.thresholds[-1]) for row, levels in zip(values, running, strict=True)]
+        for levels, row, used, threshold in zip(running, values, spread, thresholds, strict=True):
             levels.spreads.append(float(used))
             levels.shares.append(float(np.mean(row <= threshold)))
             levels.reached = threshold == 0.0
-        least = negligible * max([known, *(each.probability for each in pilots if each.reached)])
+        least = negligible * max([chance, *(pilot.probability for pilot in pilots if pilot.reached)])
         going = [
             threshold > 0.0 and levels.count < MOST_LEVELS and math.prod(levels.shares) >= least
-            for levels, threshold in zip(running, found, strict=True)
+            for levels, threshold in zip(running, thresholds, strict=True)
         ]
-        for levels, threshold, goes in zip(running, found, going, strict=True):
+        for levels, threshold, goes in zip(running, thresholds, going, strict=True):
             if goes:
                 levels.thresholds.append(threshold)
-        states, spread = _resampled(visited, np.array(found), np.array(going), generator), spread[going]
+        states, spread = _resampled(visited, np.array(thresholds), np.array(going), generator), spread[going]
     return pilots
 
 
@@ -213,25 +213,25 @@ def run_levels(drive: Drive, levels: Sequence[Levels], generator: np.random.Gene
     """Run each group with the levels of its pilot."""
     probabilities, counted = np.ones(len(levels)), np.zeros(len(levels))
     states, ended = _begun(len(levels), chains, generator), []
-    for level in range(max(each.count for each in levels)):
+    for level in range(max(pilot.count for pilot in levels)):
         running = [levels[group] for group in states.groups]
-        spread = np.array([each.spreads[level] for each in running])
+        spread = np.array([pilot.spreads[level] for pilot in running])
         visited, _ = _explored(drive, states, running, spread, generator, level=level)
-        following = np.array([[*each.thresholds, 0.0][level + 1] for each in running])
-        passed = _together(visited, [each.margins for each in visited]) <= following[:, None]
-        counts = np.where(passed, _together(visited, [each.counts for each in visited]), 0.0)
+        following = np.array([[*pilot.thresholds, 0.0][level + 1] for pilot in running])
+        passed = _together(visited, [visit.margins for visit in visited]) <= following[:, None]
+        counts = np.where(passed, _together(visited, [visit.counts for visit in visited]), 0.0)
         counted[states.groups] = probabilities[states.groups] * counts.mean(axis=1)
         probabilities[states.groups] *= passed.mean(axis=1)
-        last = np.array([each.count == level + 1 for each in running])
+        last = np.array([pilot.count == level + 1 for pilot in running])
         ended.append(_resampled(visited, following, last, generator))
         states = _resampled(visited, following, ~last, generator)
-    order = np.concatenate([np.repeat(each.groups, chains) for each in ended])
+    order = np.concatenate([np.repeat(end.groups, chains) for end in ended])
     place = np.argsort(order, kind="stable")
-    margins = np.concatenate([each.margins for each in ended])[place]
-    counts = np.concatenate([each.counts for each in ended])[place]
+    margins = np.concatenate([end.margins for end in ended])[place]
+    counts = np.concatenate([end.counts for end in ended])[place]
     weights = np.repeat(probabilities, chains) * np.where(margins <= 0.0, counts, 0.0) / chains
-    failing = gathered([each.population for each in ended], place, generator)
-    return Run(probabilities, counted, failing, weights, sum(each.count for each in levels) * STEPS * chains)
+    failing = gathered([end.population for end in ended], place, generator)
+    return Run(probabilities, counted, failing, weights, sum(pilot.count for pilot in levels) * STEPS * chains)
 
 
 def _begun(groups: int, chains: int, generator: np.random.Generator) -> _States:
@@ -253,7 +253,7 @@ def _explored(
 ) -> tuple[list[_States], Array]:
     """Run the chains of a level; return the states they visit, and the spreads (tuned in a pilot)."""
     visited, chains = [], states.margins.size // states.groups.size
-    threshold = np.array([each.thresholds[level] for each in levels])
+    threshold = np.array([pilot.thresholds[level] for pilot in levels])
     limit = np.repeat(threshold, chains)
     for step in range(STEPS):
         moved = MovedPopulation(states.population, np.repeat(spread, chains), generator)
@@ -275,7 +275,7 @@ def _explored(
 
 def _together(visited: Sequence[_States], values: Sequence[NDArray[Scalar]]) -> NDArray[Scalar]:
     """Put what the chains of each group met on their steps in a row, shape (groups, steps * chains)."""
-    return np.concatenate([visited[0].by_group(each) for each in values], axis=1)
+    return np.concatenate([visited[0].by_group(array) for array in values], axis=1)
 
 
 def _next_threshold(values: Array, last: float) -> float:
@@ -297,14 +297,14 @@ def _resampled(
     groups = visited[0].groups
     trials = visited[0].margins.size
     places = _together(visited, [np.arange(trials) + step * trials for step in range(len(visited))])
-    passed = _together(visited, [each.margins for each in visited]) <= threshold[:, None]
+    passed = _together(visited, [visit.margins for visit in visited]) <= threshold[:, None]
     taken = [places[row][_systematic(passed[row], trials // groups.size, generator)] for row in np.flatnonzero(chosen)]
     place = np.concatenate(taken) if taken else np.empty(0, dtype=np.intp)
     return _States(
         groups[chosen],
-        gathered([each.population for each in visited], place, generator),
-        np.concatenate([each.margins for each in visited])[place],
-        np.concatenate([each.counts for each in visited])[place],
+        gathered([visit.population for visit in visited], place, generator),
+        np.concatenate([visit.margins for visit in visited])[place],
+        np.concatenate([visit.counts for visit in visited])[place],
     )
 
 

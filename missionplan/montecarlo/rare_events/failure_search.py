@@ -121,31 +121,29 @@ class FailureSearch(Generic[Description]):
             self._stream(batch),
             chains=chains,
             negligible=NEGLIGIBLE,
-            known=self.known,
+            chance=self.known,
         )
-        found = []
+        looks = []
         for part in dict.fromkeys(batch.parts):
-            own = [pilot for pilot, each in zip(pilots, batch.parts, strict=True) if each == part]
+            part_pilots = [pilot for pilot, its_part in zip(pilots, batch.parts, strict=True) if its_part == part]
             probability = self.strata[part.stratum].probability
-            rough = float(np.mean([pilot.probability if pilot.reached else 0.0 for pilot in own]))
-            nearest = max(pilot.probability for pilot in own)
-            trials = sum(pilot.count for pilot in own) * STEPS * chains
-            levels = max(pilot.count for pilot in own)
-            found.append(Screened(part, probability * rough, probability * nearest, levels, trials))
-        return found
+            rough = float(np.mean([pilot.probability if pilot.reached else 0.0 for pilot in part_pilots]))
+            nearest = max(pilot.probability for pilot in part_pilots)
+            trials = sum(pilot.count for pilot in part_pilots) * STEPS * chains
+            levels = max(pilot.count for pilot in part_pilots)
+            looks.append(Screened(part, probability * rough, probability * nearest, levels, trials))
+        return looks
 
     def run(self, batch: Batch) -> BatchResult[Description]:
         """Make a batch of runs, each with a pilot of its own."""
         drive, generator = self._drive(batch.parts), self._stream(batch)
         pilots = run_pilots(drive, len(batch.parts), generator)
-        found = run_levels(drive, pilots, generator)
+        run = run_levels(drive, pilots, generator)
         strata = [self.strata[part.stratum] for part in batch.parts]
         shares = np.array([stratum.probability for stratum in strata])
-        described = self.describe(StrataView(found.failing, strata), np.repeat(shares, CHAINS) * found.weights)
+        described = self.describe(StrataView(run.failing, strata), np.repeat(shares, CHAINS) * run.weights)
         piloted = sum(pilot.count for pilot in pilots) * STEPS * PILOT_CHAINS
-        return BatchResult(
-            batch, shares * found.probabilities, shares * found.counted, described, piloted + found.trials
-        )
+        return BatchResult(batch, shares * run.probabilities, shares * run.counted, described, piloted + run.trials)
 
     def _drive(self, parts: Sequence[Part]) -> WayDrive:
         return WayDrive(
@@ -177,8 +175,8 @@ class Found(Generic[Description]):
         for batch in self.batches:
             for part, value in zip(batch.batch.parts, batch.probabilities, strict=True):
                 runs.setdefault(part, []).append(float(value))
-        own = [each for each in self.screened if each.part.way == way]
-        return sum(float(np.mean(runs[each.part])) if each.part in runs else each.probability for each in own)
+        looks = [look for look in self.screened if look.part.way == way]
+        return sum(float(np.mean(runs[look.part])) if look.part in runs else look.probability for look in looks)
 
 
 def _batched(items: Sequence[Item], size: int) -> list[tuple[Item, ...]]:
@@ -189,8 +187,8 @@ def _batched(items: Sequence[Item], size: int) -> list[tuple[Item, ...]]:
 class _Search(Generic[Description]):
     """A search as it goes: what was done, and how many trials it took."""
 
-    def __init__(self, search: FailureSearch[Description], run: Runner, told: Callable[[int], None]) -> None:
-        self._search, self._run, self._told = search, run, told
+    def __init__(self, search: FailureSearch[Description], run: Runner, progress: Callable[[int], None]) -> None:
+        self._search, self._run, self._told = search, run, progress
         self.trials = 0
         self.batches: list[BatchResult[Description]] = []
 
@@ -200,31 +198,31 @@ class _Search(Generic[Description]):
 
     def screened(self) -> list[Screened]:
         """Screen all parts; look again, with more chains, where pilots ended before failure though not for rarity."""
-        found = {each.part: each for each in self._screened(self._search.parts, "screening")}
-        whole = sum(each.probability for each in found.values())
+        looks = {look.part: look for look in self._screened(self._search.parts, "screening")}
+        whole = sum(look.probability for look in looks.values())
         stuck = [
-            each.part
-            for each in found.values()
-            if each.probability == 0.0
-            and each.part.way < len(self._search.indices.margins)  # all together end where one fails
-            and each.nearest > NEGLIGIBLE * whole
-            and SHARE ** (MOST_LEVELS - 1) < each.nearest / self._search.strata[each.part.stratum].probability < 1.0
+            look.part
+            for look in looks.values()
+            if look.probability == 0.0
+            and look.part.way < len(self._search.indices.margins)  # all together end where one fails
+            and look.nearest > NEGLIGIBLE * whole
+            and SHARE ** (MOST_LEVELS - 1) < look.nearest / self._search.strata[look.part.stratum].probability < 1.0
         ]
-        found |= {each.part: each for each in self._screened(stuck, "second look")}
-        return list(found.values())
+        looks |= {look.part: look for look in self._screened(stuck, "second look")}
+        return list(looks.values())
 
     def _screened(self, parts: Sequence[Part], stage: str) -> Iterator[Screened]:
-        together = [Batch(each, stage, number) for number, each in enumerate(_batched(parts, SCREENED_TOGETHER))]
-        twice = [Batch(each.parts * SCREENING, each.stage, each.number) for each in together]
+        together = [Batch(group, stage, number) for number, group in enumerate(_batched(parts, SCREENED_TOGETHER))]
+        twice = [Batch(batch.parts * SCREENING, batch.stage, batch.number) for batch in together]
         for batch in self._run(self._search.screen, twice):
-            self._count(sum(each.trials for each in batch))
+            self._count(sum(look.trials for look in batch))
             yield from batch
 
     def stage(self, parts: Sequence[Part], runs: Sequence[int], name: str) -> dict[Part, Array]:
         """Make so many runs of each part; return what each adds to the whole."""
         wanted = [part for part, count in zip(parts, runs, strict=True) for _ in range(count)]
         counted: dict[Part, list[float]] = {part: [] for part in parts}
-        batches = [Batch(each, name, number) for number, each in enumerate(_batched(wanted, TOGETHER))]
+        batches = [Batch(group, name, number) for number, group in enumerate(_batched(wanted, TOGETHER))]
         for result in self._run(self._search.run, batches):
             self._count(result.trials)
             self.batches.append(result)
@@ -239,27 +237,27 @@ def find(
     *,
     variation: float,
     most_trials: int,
-    told: Callable[[int], None] = lambda trials: None,
+    progress: Callable[[int], None] = lambda trials: None,
 ) -> Found[Description]:
     """Estimate the probability of a failure.
 
     `variation` is the coefficient of variation that is asked for; screening and the least number of runs are made
-    whatever `most_trials`. `told` is called with the trials done so far.
+    whatever `most_trials`. `progress` is called with the trials done so far.
     """
-    going = _Search(search, run, told)
+    going = _Search(search, run, progress)
     screened = going.screened()
-    whole = sum(each.probability for each in screened)
-    kept = [each for each in screened if each.probability > NEGLIGIBLE * whole]
-    parts = [each.part for each in kept]
+    whole = sum(look.probability for look in screened)
+    kept = [look for look in screened if look.probability > NEGLIGIBLE * whole]
+    parts = [look.part for look in kept]
     first = going.stage(parts, [FIRST] * len(parts), "first stage")
     runs, cut = runs_needed(
         list(first.values()),
-        [each.levels * STEPS * (PILOT_CHAINS + CHAINS) for each in kept],
+        [look.levels * STEPS * (PILOT_CHAINS + CHAINS) for look in kept],
         variation=variation,
         most_cost=most_trials - going.trials,
         least=LEAST_SECOND,
     )
     second = going.stage(parts, runs, "second stage")
-    left = sum(each.probability for each in screened if each not in kept)
+    left = sum(look.probability for look in screened if look not in kept)
     estimate = Estimate.of([TwoStages(first[part], second[part]) for part in parts], left)
     return Found(estimate, tuple(screened), tuple(going.batches), going.trials, cut)

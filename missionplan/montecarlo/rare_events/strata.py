@@ -100,17 +100,17 @@ def strata(values: Mapping[Key, Sequence[DiscreteValue]]) -> tuple[Stratum, ...]
 
     All values of each quantity are given, by the key of the normal from which it is drawn.
     """
-    rare = sorted(value.probability for each in values.values() for value in each if 0.0 < value.probability < RARE)
+    rare = sorted(value.probability for domain in values.values() for value in domain if 0.0 < value.probability < RARE)
     least = rare[MOST_STRATA] if len(rare) > MOST_STRATA else RARE
     parts: list[Stratum] = []
     usual: dict[Key, Sequence[Interval]] = {}
     left = 1.0
-    for key, each in values.items():
-        own = [value for value in each if 0.0 < value.probability < least]
-        parts += [Stratum(left * value.probability, value, {**usual, key: (value.interval,)}) for value in own]
-        if own:
-            usual[key] = [value.interval for value in each if value not in own]
-            left *= 1.0 - math.fsum(value.probability for value in own)
+    for key, domain in values.items():
+        rare_values = [value for value in domain if 0.0 < value.probability < least]
+        parts += [Stratum(left * value.probability, value, {**usual, key: (value.interval,)}) for value in rare_values]
+        if rare_values:
+            usual[key] = [value.interval for value in domain if value not in rare_values]
+            left *= 1.0 - math.fsum(value.probability for value in rare_values)
     return Stratum(left, None, usual), *parts
 
 
@@ -216,14 +216,14 @@ def runs_needed(
     """
     if not first:
         return [], False
-    scatters = np.array([np.std(each, ddof=1) for each in first])
-    value = float(sum(np.mean(each) for each in first))
-    known = float(sum(scatter**2 / each.size for scatter, each in zip(scatters, first, strict=True)))
+    scatters = np.array([np.std(estimates, ddof=1) for estimates in first])
+    value = float(sum(np.mean(estimates) for estimates in first))
+    variance = float(sum(scatter**2 / estimates.size for scatter, estimates in zip(scatters, first, strict=True)))
     roots = np.sqrt(np.array(costs, dtype=float))
-    wanted = (variation * value) ** 2 - FIRST_WEIGHT**2 * known
+    wanted = (variation * value) ** 2 - FIRST_WEIGHT**2 * variance
     wanted = max(wanted, 0.05 * (variation * value) ** 2)  # the first stage alone may scatter more than is asked for
     runs = np.zeros(len(first))
-    if value > 0.0 and known > 0.0:
+    if value > 0.0 and variance > 0.0:
         runs = (1.0 - FIRST_WEIGHT) ** 2 * float(np.sum(scatters * roots)) * scatters / roots / wanted
     runs = np.maximum(np.ceil(runs), least)
     spare = max(most_cost - least * float(np.sum(costs)), 0.0)
@@ -269,8 +269,8 @@ class ReliabilityIndices:
     @classmethod
     def of(cls, plain: TrialMargins) -> "ReliabilityIndices":
         """Rank the margins of plain trials; those that are not finite do not count."""
-        found = [np.unique(row[np.isfinite(row)], return_counts=True) for row in plain.by_way]
-        ranked = [(values, (np.cumsum(counts) - 0.5 * counts) / counts.sum()) for values, counts in found]
+        tallies = [np.unique(row[np.isfinite(row)], return_counts=True) for row in plain.by_way]
+        ranked = [(values, (np.cumsum(counts) - 0.5 * counts) / counts.sum()) for values, counts in tallies]
         useful = [(values, shares) if values.size > 1 else (values[:0], shares[:0]) for values, shares in ranked]
         return cls(
             tuple(values for values, _ in useful),
@@ -313,11 +313,11 @@ class WayDrive:
         count = fails_by.sum(axis=0)
         margins, fails = np.empty(population.trials), np.empty(population.trials, dtype=bool)
         for place, group in enumerate(groups):
-            own, way = slice(place * chains, (place + 1) * chains), self.ways[group]
+            block, way = slice(place * chains, (place + 1) * chains), self.ways[group]
             if way == len(trials.by_way):
-                fails[own] = trials.failed[own] & (count[own] == 0)
-                margins[own] = self.indices.nearest(trials.by_way[:, own])
+                fails[block] = trials.failed[block] & (count[block] == 0)
+                margins[block] = self.indices.nearest(trials.by_way[:, block])
             else:
-                fails[own], margins[own] = fails_by[way, own], trials.by_way[way, own]
+                fails[block], margins[block] = fails_by[way, block], trials.by_way[way, block]
         margins = np.where(np.isnan(margins), np.inf, np.maximum(margins, _LEAST))
         return np.where(fails, 0.0, margins), np.where(fails, 1.0 / np.maximum(count, 1), 0.0)

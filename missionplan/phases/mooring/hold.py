@@ -193,7 +193,7 @@ def _at(
 
 def _with(record: HoldRecord, trials: NDArray[np.intp], part: HoldRecord) -> HoldRecord:
     """The record with that of some trials put in."""
-    changed = {each.name: getattr(record, each.name).copy() for each in fields(record)}
+    changed = {quantity.name: getattr(record, quantity.name).copy() for quantity in fields(record)}
     for name, values in changed.items():
         values[..., trials] = getattr(part, name)
     return HoldRecord(**changed)

@@ -95,8 +95,8 @@ class Followed(Stage):
     @classmethod
     def by(cls, first: Stage, second: Stage) -> "Followed":
         """Return a stage and the one that follows it."""
-        time, own = first.time + second.time, second
-        return cls(own.step, time, own.depth, own.speed, own.ended, own.depths, own.rates, first=first, second=second)
+        time, end = first.time + second.time, second
+        return cls(end.step, time, end.depth, end.speed, end.ended, end.depths, end.rates, first=first, second=second)
 
     @override
     def depth_at(self, t: Array) -> Array:

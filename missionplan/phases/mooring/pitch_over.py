@@ -78,9 +78,9 @@ class _Motion:
         since = self._taut_at + t
         weight = dive.weight_at(since) * hooks.wet_weight_factor(since) - factor * dive.anchor_drag(sinking - water)
         # the line's pull gives nose and anchor the same acceleration
-        own = u1 * sine + (w1 + arm * q1) * cosine + u * q * cosine - (w + arm * q) * q * sine
+        nose_acceleration = u1 * sine + (w1 + arm * q1) * cosine + u * q * cosine - (w + arm * q) * q * sine
         give = sine * sine / self.along + cosine * cosine * (1.0 / self.across + arm * arm / self.inertia)
-        pull = (weight - self.anchor * own) / (1.0 + self.anchor * give)
+        pull = (weight - self.anchor * nose_acceleration) / (1.0 + self.anchor * give)
         turning = q1 + pull * arm * cosine / self.inertia
         return np.stack((sinking, q, u1 + pull * sine / self.along, w1 + pull * cosine / self.across, turning))
 

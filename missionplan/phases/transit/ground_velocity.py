@@ -83,12 +83,12 @@ class GroundVelocity:
         gathered: Array | float = 0.0
         for index, effect in enumerate(effects):
             source = self._normals.effects[index] if effect.is_random else None
-            own = np.zeros((2, trials)) if source is None else leg_normals(source, first + number, self._rows)
-            velocity = velocity * effect.error_scale(own)
-            self._memory[index], carried = effect.step(self._memory[index], elapsed, own, leg)
+            normals = np.zeros((2, trials)) if source is None else leg_normals(source, first + number, self._rows)
+            velocity = velocity * effect.error_scale(normals)
+            self._memory[index], carried = effect.step(self._memory[index], elapsed, normals, leg)
             persistent = persistent + carried
             if source is not None and np.any(rate := effect.position_variance_rate()):
-                gathered = gathered + np.sqrt(rate / np.where(leg.duration > 0.0, leg.duration, 1.0)) * own
+                gathered = gathered + np.sqrt(rate / np.where(leg.duration > 0.0, leg.duration, 1.0)) * normals
         self._mid_leg = mid_leg
         return velocity + gathered, persistent + velocity_error(effects, leg, current)
 

@@ -172,8 +172,8 @@ def solve_ascending(matrix: csr_array, right: Array) -> Array:
         if end == done:
             rest = slice(done, n)
             coupled = (eye_array(n - done) - matrix[rest, rest]).tocsc()
-            known = right[rest] + matrix[rest, :done] @ solution[:done]
-            solution[rest] = splu(coupled, permc_spec="NATURAL").solve(known)
+            right_side = right[rest] + matrix[rest, :done] @ solution[:done]
+            solution[rest] = splu(coupled, permc_spec="NATURAL").solve(right_side)
             return solution
         solution[done:end] += matrix[done:end, :done] @ solution[:done]
         done = end

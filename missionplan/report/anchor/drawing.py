@@ -155,38 +155,38 @@ def _dimension(axes: Axes, start: float, end: float, height: float, label: str) 
 _CAP = np.linspace(-0.5 * math.pi, 0.5 * math.pi, 24)
 
 
-def hold_section(held: HeldVehicle, *, alone: bool = True) -> PageSection:
+def hold_section(hold: HeldVehicle, *, alone: bool = True) -> PageSection:
     """Present how the vehicle stands on its line; the heading names the mooring where it is not the only one."""
-    worst = held.states[-1]
-    where = "In" if alone else f"{capitalised(phase_in_words(held.phase))}: in"
+    worst = hold.states[-1]
+    where = "In" if alone else f"{capitalised(phase_in_words(hold.phase))}: in"
     heading = (
         f"{where} the {worst.current} ({quantity(worst.speed, 'm/s', '.2f')}) the nose stands "
         f"{quantity(worst.nose_altitude, 'm', '.1f')} above "
         f"the bottom, {quantity(worst.excursion, 'm', '.1f')} from the anchor, which "
         f"{'holds' if worst.holding_margin >= 0.0 else 'drags'}"
     )
-    states = _apart(held)
+    states = _apart(hold)
     table = Table(
         ("", *(state.current for state in states)),
         [(label, *map(cell, states)) for label, cell in _ROWS],
-        _held_by(held),
+        _held_by(hold),
     )
-    return PageSection(heading, [hold_figure(held), table, *held.remedies])
+    return PageSection(heading, [hold_figure(hold), table, *hold.remedies])
 
 
-def _held_by(held: HeldVehicle) -> str:
+def _held_by(hold: HeldVehicle) -> str:
     """Write what holds the vehicle where it is, and what of it the mission does not say."""
-    words = f"{quantity(held.anchor_weight, 'N', '.3g')} wet and a holding factor of {held.friction:g}"
-    if not held.friction_given:
+    words = f"{quantity(hold.anchor_weight, 'N', '.3g')} wet and a holding factor of {hold.friction:g}"
+    if not hold.friction_given:
         words += " (assumed: 0.2 on clay to 0.6 on sand)"
-    if not held.centres_given:
+    if not hold.centres_given:
         words += ", the net buoyancy at mid-length (assumed: centre_of_gravity, centre_of_buoyancy)"
-    if held.if_polyester is None:
+    if hold.if_polyester is None:
         return f"With an anchor of {words}."
-    nose = quantity(held.if_polyester, "m", ".2f")
+    nose = quantity(hold.if_polyester, "m", ".2f")
     return (
         f"With an anchor of {words}. The line is taken as weightless (line_material): of polyester, the nose would "
-        f"stand {nose} above the bottom in the {held.states[-1].current}."
+        f"stand {nose} above the bottom in the {hold.states[-1].current}."
     )
 
 
@@ -209,9 +209,9 @@ _ROWS: tuple[tuple[str, Callable[[HeldState], str]], ...] = (
 )
 
 
-def _apart(held: HeldVehicle) -> tuple[HeldState, ...]:
+def _apart(hold: HeldVehicle) -> tuple[HeldState, ...]:
     """States in different currents: where the current stays as it is, the last says it all."""
-    *others, worst = held.states
+    *others, worst = hold.states
     return (*(state for state in others if f"{state.speed:.3f}" != f"{worst.speed:.3f}"), worst)
 
 
@@ -219,28 +219,28 @@ def _or_none(value: float, words: str) -> str:
     return words if math.isfinite(value) else "none holds"
 
 
-def hold_figure(held: HeldVehicle) -> Figure:
+def hold_figure(hold: HeldVehicle) -> Figure:
     """Draw body, line and anchor to scale in each current, seen across it."""
-    reach = max(max(state.tail[0], state.excursion) for state in held.states)
-    top = max(0.3 * reach, *(max(state.tail[1], state.line[-1, 1]) for state in held.states))
+    reach = max(max(state.tail[0], state.excursion) for state in hold.states)
+    top = max(0.3 * reach, *(max(state.tail[1], state.line[-1, 1]) for state in hold.states))
     left, right = -0.12 * max(reach, top) - 0.3, 1.08 * reach + 0.5
-    low = min(-0.06 * top - 0.1, *(state.uphill * side for state in held.states for side in (left, right)))
+    low = min(-0.06 * top - 0.1, *(state.uphill * side for state in hold.states for side in (left, right)))
     height = min(4.0, 5.25 * (1.25 * top - low) / (right - left))
     figure, (axes,) = column_of_panels(6.0, [height], (0.6, 0.15, 0.8, 0.1))
-    rise = held.states[-1].uphill
+    rise = hold.states[-1].uphill
     axes.fill_between([left, right], [rise * left, rise * right], -1e3, color=GREY, alpha=0.25, linewidth=0.0)
     axes.plot([left, right], [rise * left, rise * right], color=GREY, linewidth=1.5)
-    length, radius = held.anchor_length, 0.5 * held.anchor_diameter  # it lies with its back towards the line
+    length, radius = hold.anchor_length, 0.5 * hold.anchor_diameter  # it lies with its back towards the line
     outline = np.array([0.0, radius]) - _capsule(length, radius, blunt=True)
     axes.add_patch(Polygon(outline, closed=True, facecolor=ORANGE, linewidth=0.0, zorder=5))
     label: dict[str, Any] = {"textcoords": "offset points", "color": ORANGE, "ha": "right", "fontsize": 9}
     axes.annotate("anchor", (-0.5 * length, 2.0 * radius), (-4, 8), **label)
-    for state, colour in reversed(list(zip(reversed(_apart(held)), (BLUE, SKY), strict=False))):
+    for state, colour in reversed(list(zip(reversed(_apart(hold)), (BLUE, SKY), strict=False))):
         nose = np.array([float(state.line[-1, 0]), float(state.line[-1, 1])])
         axes.plot(state.line[:, 0], state.line[:, 1], color=INK, linewidth=0.9)
-        axis = (np.array(state.tail) - nose) / held.length
+        axis = (np.array(state.tail) - nose) / hold.length
         turn = np.array([axis, [-axis[1], axis[0]]])
-        outline = nose + _capsule(held.length, 0.5 * held.diameter) @ turn
+        outline = nose + _capsule(hold.length, 0.5 * hold.diameter) @ turn
         named = f"{state.current}, {quantity(state.speed, 'm/s', '.2f')}"
         axes.add_patch(Polygon(outline, closed=True, facecolor=colour, linewidth=0.0, zorder=4, label=named))
     tail, tip, words = (left + part * (right - left) for part in (0.02, 0.25, 0.27))
@@ -255,11 +255,11 @@ def hold_figure(held: HeldVehicle) -> Figure:
         f"{state.current} of {quantity(state.speed, 'm/s', '.2f')}: nose "
         f"{quantity(state.nose_altitude, 'm', '.1f')} above the bottom and "
         f"{quantity(state.excursion, 'm', '.1f')} downstream, tail {quantity(state.tail_altitude, 'm', '.1f')} above it"
-        for state in held.states
+        for state in hold.states
     )
     return to_figure(
         figure,
-        f"hold-{held.phase}" if held.phase != "moor" else "hold",
+        f"hold-{hold.phase}" if hold.phase != "moor" else "hold",
         alt=f"Vehicle, line and anchor to scale. {capitalised(listed)}",
         caption="Vehicle, line and anchor to scale, every distribution at its mean, each current in its own direction.",
     )

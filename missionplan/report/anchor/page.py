@@ -32,19 +32,19 @@ SAME_WEIGHT = 0.02
 
 def explanation_in_words(sizing: AnchorSizing) -> str:
     """Say in a sentence whether what is in doubt changes the choice; nothing for a mission without doubts."""
-    found = sorted(sizing.explanations, key=lambda each: each.good.value)
-    if not found:
+    explanations = sorted(sizing.explanations, key=lambda explanation: explanation.good.value)
+    if not explanations:
         return ""
-    needed = [each.needed for each in found if each.needed is not None]
-    if sizing.probable is not None and len(needed) == len(found):
+    needed = [explanation.needed for explanation in explanations if explanation.needed is not None]
+    if sizing.probable is not None and len(needed) == len(explanations):
         if max(needed) <= (1.0 + SAME_WEIGHT) * min(needed):
             return f" Whichever explanation holds, the same anchor is best, to {100.0 * SAME_WEIGHT:.0f}\u00a0%."
-        light, heavy = (pick(found, key=lambda each: each.needed or 0.0) for pick in (min, max))
+        light, heavy = (pick(explanations, key=lambda explanation: explanation.needed or 0.0) for pick in (min, max))
         return (
             f" The doubt changes the choice: with {label(light.causes)} {quantity(light.needed, 'N', '.2f')} would do, "
             f"with {label(heavy.causes)} it takes {quantity(heavy.needed, 'N', '.2f')}. First find out which holds."
         )
-    worst, best = found[0], found[-1]
+    worst, best = explanations[0], explanations[-1]
     if worst.good.high < best.good.low:
         ends = f"{share(worst.good)} with {label(worst.causes)}, {share(best.good)} with {label(best.causes)}"
         return f" It depends on which explanation holds: {ends}."
@@ -53,12 +53,12 @@ def explanation_in_words(sizing: AnchorSizing) -> str:
 
 def _hangs(sizing: AnchorSizing) -> bool:
     """Whether an explanation or a member of the ensemble would have another anchor, or spoils its dives."""
-    doubts = [(each.probability, each.good) for each in sizing.explanations]
-    doubts += [(each.probability, each.good) for each in sizing.members]
+    doubts = [(explanation.probability, explanation.good) for explanation in sizing.explanations]
+    doubts += [(member.probability, member.good) for member in sizing.members]
     if not doubts:
         return False
     required = sizing.probable.required if sizing.probable is not None else None
-    needed = [each.needed for each in sizing.explanations if each.needed is not None]
+    needed = [explanation.needed for explanation in sizing.explanations if explanation.needed is not None]
     return hangs_on_doubt(sizing.to_build.probabilities.good, doubts, required) or (
         bool(needed) and max(needed) > (1.0 + SAME_WEIGHT) * min(needed)
     )
@@ -66,16 +66,16 @@ def _hangs(sizing: AnchorSizing) -> bool:
 
 def explanation_section(sizing: AnchorSizing) -> list[PageSection]:
     """Tabulate what the anchor to build achieves under each explanation, and which one would do."""
-    asked = any(each.needed is not None for each in sizing.explanations)
+    asked = any(explanation.needed is not None for explanation in sizing.explanations)
     unit = reader_unit("N", 0.0)
     rows = [
         [
-            label(each.causes),
-            f"{100.0 * each.probability:.1f}\u00a0%",
-            percent(each.good),
-            "–" if each.needed is None and asked else unit.cell(each.needed, ".2f") if asked else "",
+            label(explanation.causes),
+            f"{100.0 * explanation.probability:.1f}\u00a0%",
+            percent(explanation.good),
+            "–" if explanation.needed is None and asked else unit.cell(explanation.needed, ".2f") if asked else "",
         ]
-        for each in sizing.explanations
+        for explanation in sizing.explanations
     ]
     columns = (
         "explanation",
@@ -167,12 +167,12 @@ def _which(sizing: AnchorSizing) -> str:
 
 def _drags_in_words(sizing: AnchorSizing) -> str:
     """Write that the anchor would drag, where the mission does not say how it holds."""
-    held = sizing.held
-    if held is None or held.friction_given or all(state.holding_margin >= 0.0 for state in held.states):
+    hold = sizing.held
+    if hold is None or hold.friction_given or all(state.holding_margin >= 0.0 for state in hold.states):
         return ""
-    state = next(state for state in held.states if state.holding_margin < 0.0)
+    state = next(state for state in hold.states if state.holding_margin < 0.0)
     return (
-        f" With an assumed holding factor of {held.friction:g} the anchor to build would drag in the {state.current}, "
+        f" With an assumed holding factor of {hold.friction:g} the anchor to build would drag in the {state.current}, "
         f"{quantity(state.speed, 'm/s', '.2f')}, which is not counted."
     )
 

@@ -32,8 +32,8 @@ def probable(sizing: AnchorSizing) -> Iterator[PageSection]:
     """Present the lightest anchor that does what is asked of its dives, where anything is."""
     if sizing.probable is None:
         return
-    wanted, found = asked_in_words(sizing.probable), sizing.probable.anchor
-    if found is None:
+    wanted, anchor = asked_in_words(sizing.probable), sizing.probable.anchor
+    if anchor is None:
         words = [f"{capitalised(sizing.probable.reason)}."]
         if sizing.probable.line_length is not None:
             line, weight = sizing.probable.line_length, sizing.probable.line_anchor_weight
@@ -44,19 +44,19 @@ def probable(sizing: AnchorSizing) -> Iterator[PageSection]:
         yield PageSection(f"No anchor does {wanted}", words)
         return
     worst, margins = sizing.anchor, []
-    difference = found.wet_weight - worst.wet_weight
+    difference = anchor.wet_weight - worst.wet_weight
     compared = (
         f"The {'lightest' if sizing.probable.lighter is None else 'lightest buildable'} anchor that does {wanted} "
-        f"weighs {weight_in_words(found)} wet, {quantity(abs(difference), 'N', '.1f')} "
+        f"weighs {weight_in_words(anchor)} wet, {quantity(abs(difference), 'N', '.1f')} "
         f"{'lighter' if difference < 0.0 else 'heavier'} than the worst-case anchor, which reaches "
-        f"{percent(worst.probabilities.good)}. It is {dive_in_words(found)}."
+        f"{percent(worst.probabilities.good)}. It is {dive_in_words(anchor)}."
     )
-    for each in sizing.probable.margins:  # anchors a little lighter and heavier
-        dives, missed = each.probabilities, f"; missed: {', '.join(each.misses)}" if each.misses else ""
+    for margin in sizing.probable.margins:  # anchors a little lighter and heavier
+        dives, missed = margin.probabilities, f"; missed: {', '.join(margin.misses)}" if margin.misses else ""
         ends = f"{percent(dives.good)} of dives succeed, {percent(dives.struck)} strike the seafloor"
-        margins.append(f"With {quantity(each.weight, 'N', '.2f')} {ends}{missed}.")
-    problems = [f"{capitalised(problem)}." for problem in found.problems]
-    heading = f"For {wanted} the anchor weighs {weight_in_words(found)}"
+        margins.append(f"With {quantity(margin.weight, 'N', '.2f')} {ends}{missed}.")
+    problems = [f"{capitalised(problem)}." for problem in anchor.problems]
+    heading = f"For {wanted} the anchor weighs {weight_in_words(anchor)}"
     yield PageSection(heading, [compared, _WORST_CASE, *margins, *problems])
 
 
@@ -219,9 +219,9 @@ def numbers_table(sizing: AnchorSizing) -> tuple[list[str], list[list[str]]]:
         row = [label]
         for anchor in anchors.values():
             value = value_of(anchor)
-            known = value is not None and math.isfinite(value)
+            is_finite = value is not None and math.isfinite(value)
             scaled = (value or 0.0) * (1e3 if unit == "mm" else 1.0)
-            row.append(quantity(scaled, unit, f".{digits}f") if known else "–")
+            row.append(quantity(scaled, unit, f".{digits}f") if is_finite else "–")
         rows.append(row)
     good = [percent(anchor.probabilities.good) for anchor in anchors.values()]
     return ["", *anchors], [*rows, ["Dives that succeed", *good]]

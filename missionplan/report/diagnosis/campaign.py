@@ -36,14 +36,14 @@ def page(campaign: Campaign) -> Page:
     """Build the page of a campaign."""
     made, last = campaign.provenance, campaign.diagnoses[-1]
     folders = made.options["datasets"]
-    given = [made.file, *(folders if isinstance(folders, list) else [])]
+    paths = [made.file, *(folders if isinstance(folders, list) else [])]
     return Page(
         title=f"Diagnosis of {made.mission} with {len(campaign.diagnoses)} data sets",
         answer=answer(campaign),
         sentence=f"{answer(campaign)}{next_trial_told(last.next_trial, f'{len(campaign.diagnoses)}-{last.kind}')}",
         numbers=[("Data sets", str(len(campaign.diagnoses))), ("Effects learned of", str(len(campaign.informed_by)))],
         write=lambda: _sections(campaign),
-        rerun=typed("diagnose", *given, seed=made.seed),
+        rerun=typed("diagnose", *paths, seed=made.seed),
         table=lambda: (COLUMNS, _rows(campaign)),
         plots={"ranking": ranking},
     )
@@ -58,62 +58,74 @@ def _sections(campaign: Campaign) -> list[PageSection]:
             [_PASSED_ON, *([Table(["Effect", "Learned from"], rows, text_columns=2)] if rows else [])],
         ),
     ]
-    for index, (each, name) in enumerate(zip(campaign.diagnoses, campaign.names, strict=True), start=1):
-        figure = page_of(each).figure
-        blocks: list[Block] = [answer_of(each)]
+    for index, (diagnosis, name) in enumerate(zip(campaign.diagnoses, campaign.names, strict=True), start=1):
+        figure = page_of(diagnosis).figure
+        blocks: list[Block] = [answer_of(diagnosis)]
         if figure is not None:
             blocks.append(replace(figure, name=f"{figure.name}-{index}"))
-        blocks.append(f"Everything about it is in the folder {index}-{each.kind}.")
+        blocks.append(f"Everything about it is in the folder {index}-{diagnosis.kind}.")
         sections.append(PageSection(name, blocks))
-    return [*sections, *next_trial_section(campaign.diagnoses[-1].next_trial, f"the folder {index}-{each.kind}")]
+    return [*sections, *next_trial_section(campaign.diagnoses[-1].next_trial, f"the folder {index}-{diagnosis.kind}")]
 
 
 def answer(campaign: Campaign) -> str:
     """Say what the data sets showed: what was found with its size, as each diagnosis tells it, and what they share."""
-    found, last, many = campaign.informed_by, campaign.diagnoses[-1], len(campaign.diagnoses)
+    informed_by, last, many = campaign.informed_by, campaign.diagnoses[-1], len(campaign.diagnoses)
     named = list(zip(campaign.names, campaign.diagnoses, strict=True))
-    names_of = {hash_of(each.learned_from): name for name, each in named}
+    names_of = {hash_of(diagnosis.learned_from): name for name, diagnosis in named}
     simulated = bool(campaign.provenance.options.get("plan") and last.learned_from)
     aged = findings.ageing_in_words(last.levels, names_of, simulated=simulated)
-    suspects = [f"{name}: {words}" for name, each in named if (words := findings.suspects_in_words(each))]
-    if not found:
+    suspects = [f"{name}: {words}" for name, diagnosis in named if (words := findings.suspects_in_words(diagnosis))]
+    if not informed_by:
         adequate = f"The mission's model is adequate for {'both' if many == 2 else f'all {many}'} data sets: "
         adequate += "none asks for a cause."
-        left = [name for name, each in named if each.verdict == "unexplained"]
-        if not any(each.learned_from for each in campaign.diagnoses):
+        left = [name for name, diagnosis in named if diagnosis.verdict == "unexplained"]
+        if not any(diagnosis.learned_from for diagnosis in campaign.diagnoses):
             adequate = "Nothing new: the mission has learned from all of these data, which count once."
         elif left:
             adequate = f"No cause of the catalogue explains what is left in {listed(left)}."
-        elif (least := min(each.nothing for each in campaign.diagnoses)) < findings.LIKELIER:
+        elif (least := min(diagnosis.nothing for diagnosis in campaign.diagnoses)) < findings.LIKELIER:
             adequate = findings.open_in_words("these data sets", "that one asks for a cause", least)
         return " ".join([*suspects, adequate, *aged])
-    effects = ", ".join(effect.replace("-", " ") for effect in found)
+    effects = ", ".join(effect.replace("-", " ") for effect in informed_by)
     shared = ", ".join(effect.replace("-", " ") for effect in campaign.shared)
     more = f" More than one of them bore on {shared}." if shared else " No two of them bore on the same effect."
-    told = dict.fromkeys(words for each in campaign.diagnoses if (words := findings.finding_in_words(each)))
+    findings_by_words = dict.fromkeys(
+        words for diagnosis in campaign.diagnoses if (words := findings.finding_in_words(diagnosis))
+    )
     learned = mapping(mapping(campaign.extended.get("posterior")).get("summary"))
-    gone = tuple(each for each in found if each not in learned and CATALOGUE[each].belongs_to != "vehicle")
+    gone = tuple(
+        effect for effect in informed_by if effect not in learned and CATALOGUE[effect].belongs_to != "vehicle"
+    )
     away = f"the extended mission carries all but {names(gone)}, which the mission of its own data set has"
     carries = f"{away}: it was learned elsewhere or at another time" if gone else "one extended mission carries it all"
     return " ".join(
-        [*suspects, *told, f"Together {many} data sets tell of {effects}; {carries}.{more}", *aged, *_doubts(learned)]
+        [
+            *suspects,
+            *findings_by_words,
+            f"Together {many} data sets tell of {effects}; {carries}.{more}",
+            *aged,
+            *_doubts(learned),
+        ]
     )
 
 
 def _doubts(learned: Mapping[str, object]) -> list[str]:
     """Say what the extended mission holds possible of which one holds."""
-    shares = {name: real(mapping(known).get("probability")) for name, known in learned.items()}
+    shares = {name: real(mapping(summary).get("probability")) for name, summary in learned.items()}
     open_ = [f"{names((name,))} {percent(share)}" for name, share in shares.items() if LEFT < share < 1.0 - LEFT]
     return [f"Still in doubt: {', '.join(open_)}."] if open_ else []
 
 
 def _rows(campaign: Campaign) -> list[list[str]]:
     rows = []
-    for each, name in zip(campaign.diagnoses, campaign.names, strict=True):
-        causes = [cause.replace("-", " ") + (" (changed)" if cause in each.changed else "") for cause in each.causes]
-        confirmed = [effect.replace("-", " ") for effect in each.borne_out]
-        verdict = "nothing new" if not each.learned_from else "open" if is_open(each) else each.verdict
-        rows.append([name, each.kind, verdict, ", ".join(causes) or "–", ", ".join(confirmed) or "–"])
+    for diagnosis, name in zip(campaign.diagnoses, campaign.names, strict=True):
+        causes = [
+            cause.replace("-", " ") + (" (changed)" if cause in diagnosis.changed else "") for cause in diagnosis.causes
+        ]
+        confirmed = [effect.replace("-", " ") for effect in diagnosis.borne_out]
+        verdict = "nothing new" if not diagnosis.learned_from else "open" if is_open(diagnosis) else diagnosis.verdict
+        rows.append([name, diagnosis.kind, verdict, ", ".join(causes) or "–", ", ".join(confirmed) or "–"])
     return rows
 
 

@@ -47,7 +47,7 @@ def draw_ranking(axes: Axes, diagnosis: Diagnosis) -> None:
     axes.set(xlim=(0.0, 100.0), xlabel="Probability (%)")
 
 
-def discrepancy_figure(found: Discrepancy, shape: DiscrepancyShape) -> Figure:
+def discrepancy_figure(rest: Discrepancy, shape: DiscrepancyShape) -> Figure:
     """Draw what is left along its axis, with a 90 % band."""
     at, mean, sd = shape.at, shape.mean, shape.sd
     figure = MatplotlibFigure(figsize=(6.4, 2.8))
@@ -61,7 +61,7 @@ def discrepancy_figure(found: Discrepancy, shape: DiscrepancyShape) -> Figure:
         "remainder",
         alt=f"{shape.value} against {shape.place[0].lower()}{shape.place[1:]}: what the claimed causes leave",
         caption=(
-            f"What is left beside the causes named, if it is {found.resembles}, the same throughout the data; "
+            f"What is left beside the causes named, if it is {rest.resembles}, the same throughout the data; "
             "band: 90 %. It shows where to look for a cause, and is no part of the extended mission."
         ),
     )
@@ -96,32 +96,32 @@ _TESTS_SHOWN = 5
 
 def discrepancy_section(diagnosis: Diagnosis) -> PageSection:
     """Show what is left, and the tests for it."""
-    found = diagnosis.discrepancy
-    if not found.by_axis:
+    rest = diagnosis.discrepancy
+    if not rest.by_axis:
         none = "A handful of numbers has no structure that could be tested."
         return PageSection("Too few data to look for what is left", [none])
-    blocks: list[Block] = [discrepancy_figure(found, found.shape)] if found.shape is not None else []
+    blocks: list[Block] = [discrepancy_figure(rest, rest.shape)] if rest.shape is not None else []
     blocks.append(
-        f"A smooth discrepancy along any axis: ln BF = {found.log_bayes_factor:.1f} (above 3 it counts). It is tested "
+        f"A smooth discrepancy along any axis: ln BF = {rest.log_bayes_factor:.1f} (above 3 it counts). It is tested "
         "for, and is no part of the extended mission. With the mission's model alone: "
         f"{diagnosis.base_discrepancy.log_bayes_factor:.1f}."
     )
-    rows = [[axis, f"{value:.1f}"] for axis, value in found.by_axis]
+    rows = [[axis, f"{value:.1f}"] for axis, value in rest.by_axis]
     blocks.append(Table(["What it could look like", "ln BF of a smooth discrepancy"], rows))
-    if found.tests:
-        least, chance = sorted(found.tests, key=lambda test: test.p_value)[:_TESTS_SHOWN], 1.0 / len(found.tests)
-        caption = f"The smallest p-values of {len(found.tests)} tests; by chance alone the least would be about "
+    if rest.tests:
+        least, chance = sorted(rest.tests, key=lambda test: test.p_value)[:_TESTS_SHOWN], 1.0 / len(rest.tests)
+        caption = f"The smallest p-values of {len(rest.tests)} tests; by chance alone the least would be about "
         rows = [[test.name, f"{test.p_value:.2g}"] for test in least]
         blocks.append(Table(["Test of the errors left", "p-value"], rows, f"{caption}{chance:.2g}."))
-    heading = "Nothing structured is left" if found.axis is None else f"What is left {resemblance(found)}"
+    heading = "Nothing structured is left" if rest.axis is None else f"What is left {resemblance(rest)}"
     return PageSection(heading, blocks)
 
 
-def resemblance(found: Discrepancy) -> str:
+def resemblance(rest: Discrepancy) -> str:
     """Write what a discrepancy looks like, or along what it is structured: the end of a sentence."""
-    if found.resembles is None:
-        return f"is structured along {found.axis}"
-    return f"looks like {found.resembles}"
+    if rest.resembles is None:
+        return f"is structured along {rest.axis}"
+    return f"looks like {rest.resembles}"
 
 
 def ranking_section(diagnosis: Diagnosis) -> PageSection:
@@ -148,7 +148,7 @@ def ranking_section(diagnosis: Diagnosis) -> PageSection:
     shown = []
     for p in best.parameters:
         unit = _unit_of(p)
-        value, low, high = (f"{unit(each):.3g}" for each in (p.value, p.low, p.high))
+        value, low, high = (f"{unit(size):.3g}" for size in (p.value, p.low, p.high))
         shown.append([parameter_in_words(p.effect, p.name), value, f"{low} to {high}", unit.name])
     heads = ["Parameter", "Value", "90 % interval", "Unit"]
     parameters = Table(heads, shown, "Parameters of the set in the first row, with 90 % intervals.")
@@ -182,8 +182,8 @@ def known_section(diagnosis: Diagnosis) -> list[PageSection]:
         now = after.get((before.effect, before.name))
         chance = diagnosis.probability_of(before.effect)
         doubt = "" if chance >= SURE else f", if it holds ({percent(chance)})"
-        known, learned = _with_sd(before), f"{_with_sd(now)}{doubt}" if now else ""
-        rows.append([parameter_in_words(before.effect, before.name), known, learned, _unit_of(before).name])
+        prior, learned = _with_sd(before), f"{_with_sd(now)}{doubt}" if now else ""
+        rows.append([parameter_in_words(before.effect, before.name), prior, learned, _unit_of(before).name])
     caption = "The mission's own effects are part of its model; the extended mission carries what is known now."
     table = Table(["Parameter", "In the mission", "After these data", "Unit"], rows, caption)
     return [PageSection("What the mission knew, and what is known now", [table])]
@@ -248,16 +248,16 @@ def held_out_section(diagnosis: Diagnosis) -> list[PageSection]:
 
 def distinction_section(diagnosis: Diagnosis) -> PageSection:
     """Show which sets the data leave probable, and which effects they could not show at all."""
-    held = ", ".join(names(causes) for causes in diagnosis.credible_set[:_LISTED])
+    sets = ", ".join(names(causes) for causes in diagnosis.credible_set[:_LISTED])
     more = len(diagnosis.credible_set) - _LISTED
     beyond = f" and {more} more in diagnosis.json" if more > 0 else ""
-    blocks: list[Block] = [f"95 % of the probability lies with: {held}{beyond}."]
+    blocks: list[Block] = [f"95 % of the probability lies with: {sets}{beyond}."]
     for first, second in diagnosis.indistinguishable:
         blocks.append(f"{names(first).capitalize()} and {names(second)} predict the same of data like these.")
     if diagnosis.readings.aliases:
         rows = [
-            [names((each.claimed,)), names((each.other,)), length_in_words(each.matters_from), each.trial]
-            for each in diagnosis.readings.aliases
+            [names((alias.claimed,)), names((alias.other,)), length_in_words(alias.matters_from), alias.trial]
+            for alias in diagnosis.readings.aliases
         ]
         heads = ["Claimed", "Does the same on these legs", "Matters to a way from", "Told apart by"]
         blocks.append(Table(heads, rows, "Effects that would do something else on the mission's way.", text_columns=4))
@@ -266,7 +266,7 @@ def distinction_section(diagnosis: Diagnosis) -> PageSection:
         blocks.append(Table(["Effect that these data cannot show", "Why"], rows, text_columns=2))
     heading = "Nothing else comes near" if diagnosis.causes else "No cause comes near"
     claimed, likely = {*diagnosis.causes}, [e for e in diagnosis.ranking if (e.posterior or 0.0) > 1.0 - SURE]
-    if diagnosis.indistinguishable or any(not (claimed and claimed <= {*each.causes}) for each in likely):
+    if diagnosis.indistinguishable or any(not (claimed and claimed <= {*entry.causes}) for entry in likely):
         heading = "What these data cannot distinguish, and what would"
     if not diagnosis.ranking:
         heading, blocks[0] = "What these data could not show", "No cause was compared with another."

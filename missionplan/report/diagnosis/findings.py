@@ -36,23 +36,23 @@ def finding_in_words(diagnosis: Diagnosis) -> str:
     What the catalogue says nothing of, or too large to be its cause, is left to the verdict. A cause that may not be
     there is no order: what the crew is to do is then to find out.
     """
-    found, disputed = claimed_parameters(diagnosis), disputed_causes(diagnosis)
+    parameters, disputed = claimed_parameters(diagnosis), disputed_causes(diagnosis)
     causes = frozenset(diagnosis.causes) - disputed
     # beside one that is disputed, what errors follow by statistics alone is disputed too
     certain = frozenset(cause for cause in causes if CATALOGUE[cause].tier == "physical") if disputed else causes
-    told = {
-        cause: _clause(cause, found, is_order=cause in certain, is_known=cause in diagnosis.changed)
+    phrases = {
+        cause: _clause(cause, parameters, is_order=cause in certain, is_known=cause in diagnosis.changed)
         for cause in diagnosis.causes
     }
-    if not told or not all(told.values()):
+    if not phrases or not all(phrases.values()):
         return ""
     doubted = []
-    for cause in (each for each in told if each not in certain):
+    for cause in (cause for cause in phrases if cause not in certain):
         chance = diagnosis.readings.inclusion.get(cause, 1.0)  # that it is there
-        doubted.append(f"{told[cause]} ({part(chance)})" if chance < SURE else told[cause])
+        doubted.append(f"{phrases[cause]} ({part(chance)})" if chance < SURE else phrases[cause])
     if doubted and diagnosis.verdict in _DOUBTFUL:
         doubted[0] = f"it looks as if {doubted[0]}"
-    clauses = [*(words for cause, words in told.items() if cause in certain), *doubted]
+    clauses = [*(words for cause, words in phrases.items() if cause in certain), *doubted]
     words = capitalised(f"{'; and '.join(clauses)}{_gained(diagnosis)}.")
     if disputed:
         return f"{words} {_find_out(diagnosis, disputed, is_all=not certain)}"
@@ -103,9 +103,9 @@ def _find_out(diagnosis: Diagnosis, disputed: frozenset[str], *, is_all: bool) -
     return f"{else_it_is}: correct nothing {'yet' if is_all else 'else yet'}, first {until}."
 
 
-def _clause(cause: str, found: tuple[ParameterEstimate, ...], *, is_order: bool, is_known: bool) -> str:
+def _clause(cause: str, parameters: tuple[ParameterEstimate, ...], *, is_order: bool, is_known: bool) -> str:
     info = CATALOGUE[cause]
-    mine = {each.name: each for each in found if each.effect == cause}
+    mine = {parameter.name: parameter for parameter in parameters if parameter.effect == cause}
     finding = next((t.finding for t in info.terms if t.finding and {*t.strengths} <= {*mine}), info.finding)
     if finding is None:
         return ""
@@ -124,7 +124,7 @@ def _clause(cause: str, found: tuple[ParameterEstimate, ...], *, is_order: bool,
 def _is_gone(finding: Finding, mine: Mapping[str, ParameterEstimate]) -> bool:
     """Whether what is told of an effect may be nothing."""
     strengths = [mine.get(name) for name in finding.toward or (finding.parameter,)]
-    return all(each is not None and abs(each.value) < _TELLING * each.sd for each in strengths)
+    return all(strength is not None and abs(strength.value) < _TELLING * strength.sd for strength in strengths)
 
 
 def sized_clause(finding: Finding, mine: Mapping[str, ParameterEstimate]) -> str:
@@ -134,7 +134,7 @@ def sized_clause(finding: Finding, mine: Mapping[str, ParameterEstimate]) -> str
     estimate = mine.get(finding.parameter)
     if estimate is None:
         return ""
-    searched = [each for each in mine.values() if CATALOGUE[each.effect].parameters[each.name].searched]
+    searched = [estimate for estimate in mine.values() if CATALOGUE[estimate.effect].parameters[estimate.name].searched]
     at = " until ".join(map(_place, searched))
     if finding.toward is not None:
         east, north = (mine.get(name) for name in finding.toward)
@@ -246,20 +246,20 @@ def trends_in_words(levels: Iterable[ParameterLevels], *, simulated: bool) -> It
 
     `simulated`: whether missions ahead were, to see when it matters.
     """
-    for each in levels:
-        if not each.has_trend:
+    for level in levels:
+        if not level.has_trend:
             continue
-        info, trend = CATALOGUE[each.effect], _estimate(each, each.trend, each.trend_sd)
-        is_growing = each.trend * each.next_value > 0.0  # else "reads low" is said of a compass that reads less high
-        own = sized_clause(info.finding, {each.name: trend}) if info.finding is not None and is_growing else ""
-        changes = _sized(each, each.trend, each.trend_sd)
-        told = own or f"{parameter_in_words(each.effect, each.name)} changes by {changes}"
-        urgent = f" In {counted(each.matters_in or 0, 'mission')} it costs success."
-        if each.matters_in is None:
+        info, trend = CATALOGUE[level.effect], _estimate(level, level.trend, level.trend_sd)
+        is_growing = level.trend * level.next_value > 0.0  # else "reads low" is said of a compass that reads less high
+        clause = sized_clause(info.finding, {level.name: trend}) if info.finding is not None and is_growing else ""
+        changes = _sized(level, level.trend, level.trend_sd)
+        sentence = clause or f"{parameter_in_words(level.effect, level.name)} changes by {changes}"
+        urgent = f" In {counted(level.matters_in or 0, 'mission')} it costs success."
+        if level.matters_in is None:
             urgent = f" Within {AHEAD[-1]} missions it costs no success." if simulated else ""
-        upkeep = info.upkeep[each.trend < 0.0]
-        coming = _sized(each, each.next_value, each.next_sd)
-        yield f"A trend: with each mission {told}: {upkeep}. The next mission is planned with {coming}.{urgent}"
+        upkeep = info.upkeep[level.trend < 0.0]
+        coming = _sized(level, level.next_value, level.next_sd)
+        yield f"A trend: with each mission {sentence}: {upkeep}. The next mission is planned with {coming}.{urgent}"
 
 
 def ageing_in_words(
@@ -267,26 +267,26 @@ def ageing_in_words(
 ) -> Iterator[str]:
     """Tell each trend, and before which record a parameter jumped, by the name of the record where one is given."""
     yield from trends_in_words(levels, simulated=simulated)
-    for each in levels:
-        for jump in each.jumps:
+    for level in levels:
+        for jump in level.jumps:
             name, before = (
-                capitalised(parameter_in_words(each.effect, each.name)),
+                capitalised(parameter_in_words(level.effect, level.name)),
                 records.get(jump.record, jump.record),
             )
-            yield f"{name} jumped before {before}, to {_sized(each, jump.value, jump.sd)}."
+            yield f"{name} jumped before {before}, to {_sized(level, jump.value, jump.sd)}."
 
 
-def _estimate(each: ParameterLevels, value: float, sd: float) -> ParameterEstimate:
-    return ParameterEstimate(each.effect, each.name, value, sd, value - sd, value + sd, each.unit)
+def _estimate(level: ParameterLevels, value: float, sd: float) -> ParameterEstimate:
+    return ParameterEstimate(level.effect, level.name, value, sd, value - sd, value + sd, level.unit)
 
 
-def _sized(each: ParameterLevels, value: float, sd: float) -> str:
+def _sized(level: ParameterLevels, value: float, sd: float) -> str:
     """Write a value of a parameter, a share in per cent."""
-    finding = CATALOGUE[each.effect].finding
-    found = _estimate(each, value, sd)
-    if finding is not None and finding.in_percent and finding.parameter == each.name:
-        found = replace(found, value=100.0 * value, sd=100.0 * sd, unit="%")
-    return sized(found)
+    finding = CATALOGUE[level.effect].finding
+    estimate = _estimate(level, value, sd)
+    if finding is not None and finding.in_percent and finding.parameter == level.name:
+        estimate = replace(estimate, value=100.0 * value, sd=100.0 * sd, unit="%")
+    return sized(estimate)
 
 
 MOST_TOLD = 4
@@ -302,11 +302,11 @@ def wrong_fixes_in_words(fixes: Sequence[WrongFix]) -> str:
     """Say which fixes are wrong, and where they lie; empty where none is."""
     if not fixes:
         return ""
-    told = [
+    places = [
         f"{quantity(math.hypot(fix.east_m, fix.north_m), 'm', '.0f')} toward "
         f"{math.degrees(math.atan2(fix.east_m, fix.north_m)) % 360.0:.0f}° after leg {fix.leg}"
         for fix in sorted(fixes, key=lambda fix: -fix.probability)[:MOST_TOLD]
     ]
-    told += [f"{len(fixes) - MOST_TOLD} more"] if len(fixes) > MOST_TOLD else []
+    places += [f"{len(fixes) - MOST_TOLD} more"] if len(fixes) > MOST_TOLD else []
     count = "A GPS fix looks wrong, by" if len(fixes) == 1 else f"{len(fixes)} GPS fixes look wrong, by"
-    return f"{count} {listed(told)}: correct them, or leave out the legs on both sides, and diagnose again."
+    return f"{count} {listed(places)}: correct them, or leave out the legs on both sides, and diagnose again."

@@ -45,7 +45,7 @@ def against_axes(places: Sequence[tuple[str, Array]], left: ResidualSeries) -> F
         panels[1, column].set_xlabel(label, fontsize=9)
     name_axis(panels[0, 0].yaxis, "Before", left.unit)
     name_axis(panels[1, 0].yaxis, "After", left.unit)
-    before, after = (np.sqrt(np.mean((np.stack(each) * left.weight) ** 2)) for each in (left.before, left.after))
+    before, after = (np.sqrt(np.mean((np.stack(axis) * left.weight) ** 2)) for axis in (left.before, left.after))
     return to_figure(
         figure,
         "residuals",
@@ -137,14 +137,14 @@ def names(causes: Causes) -> str:
 
 
 def _name(cause: str) -> str:
-    known = CATALOGUE.get(cause)
+    info = CATALOGUE.get(cause)
     words = cause.replace("-", " ")
-    return f"{words} without a name" if known is not None and known.tier == "neutral" else words
+    return f"{words} without a name" if info is not None and info.tier == "neutral" else words
 
 
-def found_causes(causes: Causes, found: Iterable[ParameterEstimate]) -> str:
+def found_causes(causes: Causes, parameters: Iterable[ParameterEstimate]) -> str:
     """Write a set of causes in words, of their sizes as found: one too large to be true is said to be like it."""
-    sizes = {(parameter.effect, parameter.name): abs(parameter.value) for parameter in found}
+    sizes = {(parameter.effect, parameter.name): abs(parameter.value) for parameter in parameters}
     words = []
     for cause in causes:
         like = CATALOGUE[cause].likeness
@@ -155,13 +155,13 @@ def found_causes(causes: Causes, found: Iterable[ParameterEstimate]) -> str:
 
 def explanations_in_words(diagnosis: Diagnosis) -> Iterator[str]:
     """Write how probable the explanations are now that the mission had in doubt; nothing where it had none."""
-    if any(each.prior is not None for each in diagnosis.explanations):
-        told = [
-            f"{names(each.causes) if each.causes else 'none of them'} {percent(each.probability)}"
-            + ("" if each.prior is None else f" (was {percent(each.prior)})")
-            for each in diagnosis.explanations
+    if any(explanation.prior is not None for explanation in diagnosis.explanations):
+        words = [
+            f"{names(explanation.causes) if explanation.causes else 'none of them'} {percent(explanation.probability)}"
+            + ("" if explanation.prior is None else f" (was {percent(explanation.prior)})")
+            for explanation in diagnosis.explanations
         ]
-        yield f"Of the mission's explanations the probabilities are now: {', '.join(told)}."
+        yield f"Of the mission's explanations the probabilities are now: {', '.join(words)}."
 
 
 def percent(probability: float) -> str:
@@ -185,11 +185,13 @@ def causes_section(diagnosis: Diagnosis) -> list[PageSection]:
     claimed = [cause for causes in (diagnosis.causes, *diagnosis.rivals) for cause in causes]
     described = list(dict.fromkeys(claimed))[:_DESCRIBED]
     heading = "What such a cause is" if len(described) == 1 else "What such causes are"
-    told = []
+    texts = []
     for cause in described:
         info = CATALOGUE[cause]
         words = f"{names((cause,)).capitalize()}. {info.what} Sizes that occur: {info.sizes}"
         if info.confused_with:
             words += f" Easily taken for {', '.join(names((other,)) for other in info.confused_with)}."
-        told.append(f"{words} What tells it from others: {info.distinguished_by[0].lower()}{info.distinguished_by[1:]}")
-    return [PageSection(heading, told)] if diagnosis.causes else []
+        texts.append(
+            f"{words} What tells it from others: {info.distinguished_by[0].lower()}{info.distinguished_by[1:]}"
+        )
+    return [PageSection(heading, texts)] if diagnosis.causes else []

@@ -66,7 +66,7 @@ def _dive_residuals(diagnosis: Diagnosis) -> list[Figure]:
 
 def _gained_of_dives(diagnosis: Diagnosis, before: float, after: float) -> str:
     unit = reader_unit("m", before)
-    was, now = (f"{number(unit(each), unit(0.2 * each))}{unit.suffix}" for each in (before, after))
+    was, now = (f"{number(unit(error), unit(0.2 * error))}{unit.suffix}" for error in (before, after))
     return "" if was == now or after > before else f"; the depth is then predicted to {now}, not {was}"
 
 
@@ -219,7 +219,7 @@ def _gained_of_legs(diagnosis: Diagnosis, before: float, after: float) -> str:
     before = max(before, math.sqrt(0.5 * float(np.sum((axes.T * times) ** 2) / np.sum(times**2))))
     off = [math.sqrt(2.0) * error * duration for error in (before, after)]
     unit = reader_unit("m", max(off))
-    was, now = (f"{number(unit(each), unit(0.2 * each))}{unit.suffix}" for each in off)
+    was, now = (f"{number(unit(distance), unit(0.2 * distance))}{unit.suffix}" for distance in off)
     if was == now or after > before:
         return ""
     return f"; a leg of {time_in_words(duration)} then ends {now} from where it is expected, not {was}"
@@ -266,12 +266,12 @@ def _tank_figure(diagnosis: Diagnosis) -> Figure:
     axes.set(xlabel=_AXES[place], ylabel=_LABELS[quantity])
     axes.legend(fontsize=9, frameon=False)
     label = _LABELS[quantity].split(" (")[0]
-    extended, found = (" and the extended model", " and with the causes found") if diagnosis.causes else ("", "")
+    extended, with_causes = (" and the extended model", " and with the causes found") if diagnosis.causes else ("", "")
     return to_figure(
         figure,
         "data",
         alt=f"{label} as measured, with the base model{extended}",
-        caption=f"{label} as measured in the tank, with the base model{found}.",
+        caption=f"{label} as measured in the tank, with the base model{with_causes}.",
     )
 
 

@@ -109,7 +109,7 @@ def _sections(diagnosis: Diagnosis) -> list[PageSection]:
 
 def answer(diagnosis: Diagnosis) -> str:
     """Tell what was found and what to do about it, then the verdict, with the size of the misfit."""
-    found = f"{suspects_in_words(diagnosis)} {finding_in_words(diagnosis)}".strip()
+    finding = f"{suspects_in_words(diagnosis)} {finding_in_words(diagnosis)}".strip()
     size = in_reader_units(diagnosis.misfit)
     verdict = " ".join(filter(None, (_verdict_words(diagnosis), intervals_that_miss(diagnosis.coverage), size)))
     simulated = bool(diagnosis.provenance.options.get("plan") and diagnosis.learned_from)
@@ -119,7 +119,7 @@ def answer(diagnosis: Diagnosis) -> str:
         many = "legs" if last.kind == "transit" else "dives"
         kept = f" Kept away from all this, the last {last.groups} {many}: the extended mission {told(last)}"
         kept += "" if last.is_within_chance else " Chance does not allow such coverages."
-    return f"{found} {verdict}{aged}{kept}".strip()
+    return f"{finding} {verdict}{aged}{kept}".strip()
 
 
 def _verdict_words(diagnosis: Diagnosis) -> str:
@@ -208,16 +208,18 @@ def _confirmed(diagnosis: Diagnosis) -> str:
         if p.effect in diagnosis.borne_out and CATALOGUE[p.effect].parameters[p.name].searched != "time"
     ]
     words, more = "", len(sure) - _CONFIRMED
-    told = [(p, before[p.effect, p.name]) for p in sure[:_CONFIRMED]]
+    pairs = [(p, before[p.effect, p.name]) for p in sure[:_CONFIRMED]]
     for lead, is_moved in ("Confirmed", False), ("Moved, within what the mission allows for", True):
         sizes = [
             f"{_parameter_words(now)} is {sized(now)}, was {sized(was)}"
-            for now, was in told
+            for now, was in pairs
             if is_moved == (abs(now.value - was.value) > _MOVED * math.hypot(now.sd, was.sd))
         ]
         words += f" {lead}: {'; '.join(sizes)}." if sizes else ""
     words += f" {more} more below." if more > 0 else ""
-    effects = dict.fromkeys(effect for each in diagnosis.explanations if each.prior for effect in each.causes)
+    effects = dict.fromkeys(
+        effect for explanation in diagnosis.explanations if explanation.prior for effect in explanation.causes
+    )
     chances = {effect: diagnosis.probability_of(effect) for effect in effects}
     doubted = [f"{names((effect,))} ({percent(p)})" for effect, p in chances.items() if 1.0 - SURE <= p < SURE]
     return f"{words} In doubt is {listed(doubted, 'or')}." if doubted else words
@@ -226,12 +228,12 @@ def _confirmed(diagnosis: Diagnosis) -> str:
 def _changed(diagnosis: Diagnosis) -> str:
     """Say what is not as the mission knew it."""
     after = {(p.effect, p.name): p for p in claimed_parameters(diagnosis)}
-    told = [
+    changes = [
         f"{_parameter_words(p)} has changed from {sized(p)} to {sized(after[p.effect, p.name])}"
         for p in diagnosis.known
         if p.effect in diagnosis.changed and (p.effect, p.name) in after
     ]
-    return f" {capitalised('; '.join(told))}." if told else ""
+    return f" {capitalised('; '.join(changes))}." if changes else ""
 
 
 def _parameter_words(parameter: ParameterEstimate) -> str:
@@ -260,12 +262,12 @@ def _plan_on(diagnosis: Diagnosis) -> list[str]:
     words = plan_words(diagnosis) if diagnosis.causes and diagnosis.readings.plan_with is not False else []
     if diagnosis.readings.plan_with is False:
         file = diagnosis.provenance.file or "the mission as it was"
-        own = "The extended mission, mission.yaml in this folder, is what the next diagnosis needs."
-        words.append(f"Plan with {file}. {own}")
+        reason = "The extended mission, mission.yaml in this folder, is what the next diagnosis needs."
+        words.append(f"Plan with {file}. {reason}")
     elif diagnosis.causes:
         doubt = ", in each trial one of the explanations" if diagnosis.explanations else ""
-        found = f"mission.yaml in this folder plans with what was found{doubt}"
-        words.append(f"{found}: simulate, size-anchor, sweep-dmax run it.")
+        beginning = f"mission.yaml in this folder plans with what was found{doubt}"
+        words.append(f"{beginning}: simulate, size-anchor, sweep-dmax run it.")
     return [*words, *explanations_in_words(diagnosis)]
 
 

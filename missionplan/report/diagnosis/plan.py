@@ -75,8 +75,8 @@ def plan_words(diagnosis: Diagnosis) -> list[str]:
     if not (before and after and kept):
         return []
     tell = _anchor if "anchor_wet_weight_n" in after else _legs
-    own = gain.as_written_under_extended
-    words = tell(None, after, own) if own is not None else tell(before, after, kept)
+    mission_plan = gain.as_written_under_extended
+    words = tell(None, after, mission_plan) if mission_plan is not None else tell(before, after, kept)
     struck = after.get("struck_seafloor") or 0.0
     if struck > _SAME_SHARE:
         words += f" With that anchor the vehicle strikes the seafloor in {part(struck)}: lengthen the line."
@@ -85,16 +85,20 @@ def plan_words(diagnosis: Diagnosis) -> list[str]:
 
 def _anchor(before: Plan | None, after: Plan, kept: Plan) -> str:
     """Tell of an anchor, with what the mission's model expected of the former one, where that is its own choice."""
-    own, other = (quantity(_number(plan, "anchor_wet_weight_n"), "N", ".3g") for plan in (kept, after))
-    found, best = (_number(plan, "within_radius") for plan in (kept, after))
+    weight, other = (quantity(_number(plan, "anchor_wet_weight_n"), "N", ".3g") for plan in (kept, after))
+    share, best = (_number(plan, "within_radius") for plan in (kept, after))
     expected = None if before is None else _number(before, "within_radius")
-    former = f"the mission's anchor, {own} wet," if before is None else f"the anchor of the mission's model, {own} wet,"
-    if abs(found - (best if expected is None else expected)) < _SAME_SHARE:
-        return f"{former} still serves: {part(found)} within the radius."
-    fares = f"{former} stays within the radius in {part(found)} of the dives"
+    former = (
+        f"the mission's anchor, {weight} wet,"
+        if before is None
+        else f"the anchor of the mission's model, {weight} wet,"
+    )
+    if abs(share - (best if expected is None else expected)) < _SAME_SHARE:
+        return f"{former} still serves: {part(share)} within the radius."
+    fares = f"{former} stays within the radius in {part(share)} of the dives"
     fares += "" if expected is None else f", not in {part(expected)}"
     more = "size-anchor with --probability finds the weight for more"
-    if own == other:
+    if weight == other:
         return f"{fares}; {more}."
     if best < _SERVES:
         return f"{fares}, and one sized with the extended model, {other} wet, in {part(best)}; {more}."
@@ -102,19 +106,19 @@ def _anchor(before: Plan | None, after: Plan, kept: Plan) -> str:
 
 
 def _legs(before: Plan | None, after: Plan, kept: Plan) -> str:
-    own, other = (_length(_number(plan, "d_max_m")) for plan in (kept, after))
-    found, best = (_number(plan, "cost") for plan in (kept, after))
+    length, other = (_length(_number(plan, "d_max_m")) for plan in (kept, after))
+    cost, best = (_number(plan, "cost") for plan in (kept, after))
     expected = "" if before is None else f" (expected: {_delay(_number(before, 'cost'))})"
     former = "the mission's d_max" if before is None else "the d_max of the mission's model"
     arrive, arrives = (_number(plan, "arrived") for plan in (kept, after))
     if arrives < _SERVES:
-        fares = f"with {other} {part(arrives)} of the transits arrive, with {former}, {own}, {part(arrive)}"
+        fares = f"with {other} {part(arrives)} of the transits arrive, with {former}, {length}, {part(arrive)}"
         return f"no d_max serves: {fares}."
-    if own == other or found < best + _SAME_COST:
-        return f"{former}, {own}, still serves: it takes {_beside_straight(found)}{expected}."
+    if length == other or cost < best + _SAME_COST:
+        return f"{former}, {length}, still serves: it takes {_beside_straight(cost)}{expected}."
     return (
-        f"plan with a d_max of {other}, for {_beside_straight(best)}; {former}, {own}, would take "
-        f"{_delay(found)}{expected}."
+        f"plan with a d_max of {other}, for {_beside_straight(best)}; {former}, {length}, would take "
+        f"{_delay(cost)}{expected}."
     )
 
 
@@ -149,84 +153,84 @@ _NOTHING = "Nothing: no more than three standard errors."
 _NO_SHORE = "Times and energies are the trial's own, without the way there and back and without handling."
 
 
-def next_trial_section(found: NextTrial | None, folder: str = "this folder") -> list[PageSection]:
+def next_trial_section(study: NextTrial | None, folder: str = "this folder") -> list[PageSection]:
     """Tell which trial is worth making next, or why none is; its mission lies in a folder."""
-    if found is None:
+    if study is None:
         return []
-    if found.reason is not None:
-        return [PageSection("The next trial", [f"No trial was valued: {found.reason}."])]
-    heading = "No trial is worth it" if found.recommended is None else "The next trial"
-    blocks: list[Block] = [next_trial_words(found).replace("this folder", folder), _assumptions(found)]
-    phases = found.trial.get("phases") if found.trial is not None else None
-    if isinstance(phases, list) and found.decides == "d_max_m" and len(phases) < MIN_LEGS:
+    if study.reason is not None:
+        return [PageSection("The next trial", [f"No trial was valued: {study.reason}."])]
+    heading = "No trial is worth it" if study.recommended is None else "The next trial"
+    blocks: list[Block] = [next_trial_words(study).replace("this folder", folder), _assumptions(study)]
+    phases = study.trial.get("phases") if study.trial is not None else None
+    if isinstance(phases, list) and study.decides == "d_max_m" and len(phases) < MIN_LEGS:
         few = f"Fewer than {MIN_LEGS} legs are no data set of their own"
         blocks.append(f"{few}: add them to the log so far, as another run.")
-    if found.best is not None:
-        blocks += [_outcomes(found), *_rule_words(found)]
-    return [PageSection(heading, [*blocks, _designs(found)])]
+    if study.best is not None:
+        blocks += [_outcomes(study), *_rule_words(study)]
+    return [PageSection(heading, [*blocks, _designs(study)])]
 
 
-def next_trial_told(found: NextTrial | None, folder: str = "") -> str:
+def next_trial_told(study: NextTrial | None, folder: str = "") -> str:
     """Tell it after the answer, on a terminal; empty where no trial was asked for. Its mission lies in a subfolder."""
-    if found is None:
+    if study is None:
         return ""
-    if found.reason is not None:
-        return f" No trial was valued: {found.reason}."
-    words = next_trial_words(found).replace("in this folder", f"in the report's folder {folder}".strip())
+    if study.reason is not None:
+        return f" No trial was valued: {study.reason}."
+    words = next_trial_words(study).replace("in this folder", f"in the report's folder {folder}".strip())
     words = words.replace("The table says", "Its table says")
-    return f" {words}" if found.recommended is None else f" Next trial: {words[:1].lower()}{words[1:]}"
+    return f" {words}" if study.recommended is None else f" Next trial: {words[:1].lower()}{words[1:]}"
 
 
-def next_trial_pointer(found: NextTrial | None) -> list[str]:
+def next_trial_pointer(study: NextTrial | None) -> list[str]:
     """Say among what to do next that a trial is worth making, or that none is, and that more follows."""
-    if found is None or found.reason is not None:
+    if study is None or study.reason is not None:
         return []
-    if found.recommended is None:
+    if study.recommended is None:
         return ["No trial is worth it for the plan; what would tell more of the causes is for its own sake."]
-    told = "" if found.best is None else ", and what its outcomes would mean"
-    return [f"{capitalised(found.recommended.name)}: the trial worth making next{told}, below."]
+    more = "" if study.best is None else ", and what its outcomes would mean"
+    return [f"{capitalised(study.recommended.name)}: the trial worth making next{more}, below."]
 
 
-def next_trial_words(found: NextTrial) -> str:
+def next_trial_words(study: NextTrial) -> str:
     """Say in a sentence or two what to do."""
-    if found.best is None:
+    if study.best is None:
         reason = (
             "none of these would change the choice enough to be told from chance"
-            if found.perfect
+            if study.perfect
             else "the choice would not change, not even with causes and sizes known exactly"
         )
-        if found.settling is not None:
-            return f"{_about_vehicle(found)} For the plan no trial is worth it: {reason}. {_choice_now(found)}"
+        if study.settling is not None:
+            return f"{_about_vehicle(study)} For the plan no trial is worth it: {reason}. {_choice_now(study)}"
         return (
-            f"No trial is worth it: {reason}. {_choice_now(found)} The table says what trials would tell of the "
+            f"No trial is worth it: {reason}. {_choice_now(study)} The table says what trials would tell of the "
             "causes, where that is wanted for itself."
         )
-    best = found.best
-    perfect = f"{_loss(found.perfect, found)} that knowing everything would save"
-    share = f"of {perfect}" if best.saving < found.perfect else f"as far as chance lets it be told all of the {perfect}"
-    spent = best.energy_wh if found.unit == "W h" else best.minutes
+    best = study.best
+    perfect = f"{_loss(study.perfect, study)} that knowing everything would save"
+    share = f"of {perfect}" if best.saving < study.perfect else f"as far as chance lets it be told all of the {perfect}"
+    spent = best.energy_wh if study.unit == "W h" else best.minutes
     after = "with the first mission"
     if spent is not None and spent > best.saving:
         after = f"after {math.ceil(spent / best.saving)} missions"
     return (
-        f"{capitalised(best.name)}{_file(found)}: {_takes(best)}, and saves {_loss(best.saving, found)} a mission on "
-        f"average (± {_loss(best.saving_error, found)}), {share}. "
-        f"{_choice_now(found)} The trial pays for itself {after}. {_about_vehicle(found)}"
+        f"{capitalised(best.name)}{_file(study)}: {_takes(best)}, and saves {_loss(best.saving, study)} a mission on "
+        f"average (± {_loss(best.saving_error, study)}), {share}. "
+        f"{_choice_now(study)} The trial pays for itself {after}. {_about_vehicle(study)}"
     ).rstrip()
 
 
-def _file(found: NextTrial) -> str:
-    return ", as in next-trial.yaml in this folder" if found.trial is not None else ""
+def _file(study: NextTrial) -> str:
+    return ", as in next-trial.yaml in this folder" if study.trial is not None else ""
 
 
-def _about_vehicle(found: NextTrial) -> str:
+def _about_vehicle(study: NextTrial) -> str:
     """Say which trial settles what to do about the vehicle itself; empty where none does."""
-    settling, best = found.settling, found.best
+    settling, best = study.settling, study.best
     if settling is None:
         return ""
-    done, now = "what to do about the vehicle (swing, calibrate, clean, nothing)", percent(found.right)
+    done, now = "what to do about the vehicle (swing, calibrate, clean, nothing)", percent(study.right)
     if best is None:
-        settles = f"{capitalised(settling.name)}{_file(found)}: {_takes(settling)}, and settles {done}"
+        settles = f"{capitalised(settling.name)}{_file(study)}: {_takes(settling)}, and settles {done}"
         return f"{settles}: it is then right with {percent(settling.right)}, by what is known now with {now}."
     then = f"after it with {percent(best.right)}"
     if settling is not best:
@@ -234,14 +238,14 @@ def _about_vehicle(found: NextTrial) -> str:
     return f"{capitalised(done)} is right with {now} by what is known now, {then}."
 
 
-def _choice_now(found: NextTrial) -> str:
-    shortest, longest = ("lightest", "heaviest") if found.decides == "anchor_wet_weight_n" else ("shortest", "longest")
-    least, most = found.tried  # one beyond the last of those tried might be better still
-    edge = f"the {shortest} tried; " if found.choice <= least else ""
-    edge = edge or (f"the {longest} tried; " if found.choice >= most else "")
-    brings = f"success {percent(found.success)}, {_loss(found.loss, found)} a mission with its failures"
+def _choice_now(study: NextTrial) -> str:
+    shortest, longest = ("lightest", "heaviest") if study.decides == "anchor_wet_weight_n" else ("shortest", "longest")
+    least, most = study.tried  # one beyond the last of those tried might be better still
+    edge = f"the {shortest} tried; " if study.choice <= least else ""
+    edge = edge or (f"the {longest} tried; " if study.choice >= most else "")
+    brings = f"success {percent(study.success)}, {_loss(study.loss, study)} a mission with its failures"
     return (
-        f"With what is known now, {_CHOSEN_NOW[found.decides]} is best at {_value(found, found.choice)} "
+        f"With what is known now, {_CHOSEN_NOW[study.decides]} is best at {_value(study, study.choice)} "
         f"({edge}{brings})."
     )
 
@@ -251,39 +255,39 @@ def _takes(design: ValuedDesign) -> str:
     return f"takes {number(design.minutes, 0.02 * design.minutes)} min{energy}"
 
 
-def _loss(value: float, found: NextTrial) -> str:
-    return f"{value:.2g} {found.unit}" if value < 100.0 else f"{value:.0f} {found.unit}"
+def _loss(value: float, study: NextTrial) -> str:
+    return f"{value:.2g} {study.unit}" if value < 100.0 else f"{value:.0f} {study.unit}"
 
 
-def _value(found: NextTrial, value: float) -> str:
-    return length_in_words(value) if found.decides == "d_max_m" else quantity(value, "N", ".3g")
+def _value(study: NextTrial, value: float) -> str:
+    return length_in_words(value) if study.decides == "d_max_m" else quantity(value, "N", ".3g")
 
 
-def _assumptions(found: NextTrial) -> str:
-    shares = "; ".join(f"{names(causes)} {part(p)}" for causes, p in found.explanations)
+def _assumptions(study: NextTrial) -> str:
+    shares = "; ".join(f"{names(causes)} {part(p)}" for causes, p in study.explanations)
     return (
         f"Assumed: one of these explanations holds ({shares}), with parameters as known now; a mission that fails "
-        f"counts as {_loss(found.failure_loss, found)} lost, ten missions that work; only {_CHOSEN[found.decides]} is "
+        f"counts as {_loss(study.failure_loss, study)} lost, ten missions that work; only {_CHOSEN[study.decides]} is "
         "chosen anew after the trial; random errors are as large in the trial as in the data so far."
     )
 
 
-def _outcomes(found: NextTrial) -> Table:
+def _outcomes(study: NextTrial) -> Table:
     rows = [
         [
-            names(each.causes),
-            part(each.probability),
-            _value(found, each.choice),
-            "nothing" if each.choice == found.choice else _loss(max(each.saving, 0.0), found),
+            names(outcome.causes),
+            part(outcome.probability),
+            _value(study, outcome.choice),
+            "nothing" if outcome.choice == study.choice else _loss(max(outcome.saving, 0.0), study),
         ]
-        for each in found.outcomes
+        for outcome in study.outcomes
     ]
-    columns = ["If it then looks most like", "How likely", f"{_CHOSEN[found.decides]} becomes", "Saves"]
+    columns = ["If it then looks most like", "How likely", f"{_CHOSEN[study.decides]} becomes", "Saves"]
     return Table(columns, rows, "What the outcomes of that trial would mean; those rarer than 2 % are left out.")
 
 
-def _rule_words(found: NextTrial) -> list[str]:
-    rule = found.rule
+def _rule_words(study: NextTrial) -> list[str]:
+    rule = study.rule
     if rule is None:
         return [
             "No single parameter decides: give the trial's data to diagnose, and choose with the mission it writes."
@@ -296,28 +300,30 @@ def _rule_words(found: NextTrial) -> list[str]:
         limit = f"{math.degrees(rule.threshold):.2g}°"
     return [
         f"If the {parameter} comes out {side} {limit}, take it for {names(rule.causes)} and choose "
-        f"{_value(found, rule.choice)}; else keep {_value(found, found.choice)}. That rule agrees with the full "
+        f"{_value(study, rule.choice)}; else keep {_value(study, study.choice)}. That rule agrees with the full "
         f"calculation in {part(rule.agreement)} of the simulated outcomes."
     ]
 
 
-def _designs(found: NextTrial) -> Table:
-    first = [each for each in dict.fromkeys((found.best, found.settling)) if each is not None]
-    listed = [*first, *(each for each in found.designs if each not in first)][:_LISTED]
+def _designs(study: NextTrial) -> Table:
+    first = [design for design in dict.fromkeys((study.best, study.settling)) if design is not None]
+    listed = [*first, *(design for design in study.designs if design not in first)][:_LISTED]
     rows = [
         [
-            capitalised(each.name),
-            f"{each.minutes:.0f}",
-            "" if each.energy_wh is None else f"{each.energy_wh:.3g}",
-            f"{each.information:.2g}",
-            "nothing" if each.saving <= 3.0 * each.saving_error else f"{each.saving:.2g} ± {each.saving_error:.1g}",
-            percent(each.right),
+            capitalised(design.name),
+            f"{design.minutes:.0f}",
+            "" if design.energy_wh is None else f"{design.energy_wh:.3g}",
+            f"{design.information:.2g}",
+            "nothing"
+            if design.saving <= 3.0 * design.saving_error
+            else f"{design.saving:.2g} ± {design.saving_error:.1g}",
+            percent(design.right),
         ]
-        for each in listed
+        for design in listed
     ]
-    columns = ["Trial", "Time (min)", "Energy (W h)", "Information (nats)", f"Saves ({found.unit} a mission)"]
+    columns = ["Trial", "Time (min)", "Energy (W h)", "Information (nats)", f"Saves ({study.unit} a mission)"]
     columns.append("Right about the vehicle")
-    rest = len(found.designs) - _LISTED
+    rest = len(study.designs) - _LISTED
     more = f" {rest} more in next-trials.csv." if rest > 0 else ""
     order = "The recommended one, then those that save or tell most." if first else "Those that tell most first."
     return Table(columns, rows, f"{order} {_NOTHING} {_NO_SHORE}{more}")

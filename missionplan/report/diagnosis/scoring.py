@@ -17,13 +17,13 @@ Q90 = 1.645
 """Normal quantile: half the width of a 90 % interval in standard deviations."""
 
 
-def prediction_figure(each: DatasetScore) -> Figure:
+def prediction_figure(data: DatasetScore) -> Figure:
     """Draw what was measured with both predictions and their 90 % bands."""
-    legs = each.kind == "transit"
+    legs = data.kind == "transit"
     figure = MatplotlibFigure(figsize=(6.4, 4.4))
     panels = figure.subplots(2, 1, sharex=True, sharey=not legs)
     for component, axes in enumerate(panels):
-        _panel(axes, each, component)
+        _panel(axes, data, component)
     panels[0].set_xlabel("")
     panels[0].legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), fontsize=9, frameon=False, ncols=3)
     what = "Position errors of the legs" if legs else "Departures of the depths from what was expected"
@@ -40,36 +40,36 @@ def draw_predictions(axes: Axes, score: Score, dataset: int = 0, part: int = 0) 
 
     `part`: of legs, 0 for errors east and 1 for north; of dives, 0 for one step ahead and 1 for all the way.
     """
-    for given, most, key in ((dataset, len(score.datasets), "dataset"), (part, 2, "part")):
-        if not isinstance(given, int) or not 0 <= given < most:
-            raise InputError([Problem(f"given {shown(given)}, expected 0 to {most - 1}", key=key)])
+    for index, most, key in ((dataset, len(score.datasets), "dataset"), (part, 2, "part")):
+        if not isinstance(index, int) or not 0 <= index < most:
+            raise InputError([Problem(f"given {shown(index)}, expected 0 to {most - 1}", key=key)])
     _panel(axes, score.datasets[dataset], part)
     axes.legend()
 
 
-def _panel(axes: Axes, each: DatasetScore, part: int) -> None:
-    if each.kind == "transit":
-        _leg_panel(axes, each, part)
+def _panel(axes: Axes, data: DatasetScore, part: int) -> None:
+    if data.kind == "transit":
+        _leg_panel(axes, data, part)
         axes.set_xlabel("Leg")
         axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     else:
-        _dive_panel(axes, each, list(each.predictions.values())[part], ("one step ahead", "all the way")[part])
+        _dive_panel(axes, data, list(data.predictions.values())[part], ("one step ahead", "all the way")[part])
         axes.set_xlabel("Reading, dive after dive")
 
 
-def _leg_panel(axes: Axes, each: DatasetScore, axis: int) -> None:
+def _leg_panel(axes: Axes, data: DatasetScore, axis: int) -> None:
     rows = slice(axis, None, 2)
-    at = np.arange(each.groups) + 1
-    unit, word = (1000.0, "km") if np.max(np.abs(each.measured)) > 2000.0 else (1.0, "m")
-    for prediction, colour, label in ((each.whole, GREY, "all the way"), (each.one_step, BLUE, "one step ahead")):
+    at = np.arange(data.groups) + 1
+    unit, word = (1000.0, "km") if np.max(np.abs(data.measured)) > 2000.0 else (1.0, "m")
+    for prediction, colour, label in ((data.whole, GREY, "all the way"), (data.one_step, BLUE, "one step ahead")):
         mean, sd = prediction.mean[rows] / unit, prediction.sd[rows] / unit
         axes.fill_between(at, mean - Q90 * sd, mean + Q90 * sd, color=colour, alpha=0.25, linewidth=0.0, label=label)
-    axes.plot(at, each.measured[rows] / unit, ".", color=ORANGE, markersize=4.0, label="measured")
+    axes.plot(at, data.measured[rows] / unit, ".", color=ORANGE, markersize=4.0, label="measured")
     name_axis(axes.yaxis, f"{('East', 'North')[axis]} error", word)
 
 
-def _dive_panel(axes: Axes, each: DatasetScore, prediction: Prediction, title: str) -> None:
-    at, left = np.arange(len(each.measured)) + 1, each.measured - prediction.mean
+def _dive_panel(axes: Axes, data: DatasetScore, prediction: Prediction, title: str) -> None:
+    at, left = np.arange(len(data.measured)) + 1, data.measured - prediction.mean
     axes.fill_between(
         at, -Q90 * prediction.sd, Q90 * prediction.sd, color=BLUE, alpha=0.25, linewidth=0.0, label="90 %"
     )
@@ -78,14 +78,14 @@ def _dive_panel(axes: Axes, each: DatasetScore, prediction: Prediction, title: s
     axes.set_title(title, fontsize=9)
 
 
-def pit_figure(each: DatasetScore) -> Figure:
+def pit_figure(data: DatasetScore) -> Figure:
     """Draw histograms of the probability integral transforms, which are flat where the predictions are right."""
     figure = MatplotlibFigure(figsize=(6.4, 2.5))
     panels = figure.subplots(1, 2, sharey=True)
-    expected = len(each.measured) / PIT_BINS
+    expected = len(data.measured) / PIT_BINS
     spread = 1.645 * np.sqrt(expected * (1.0 - 1.0 / PIT_BINS))
     for axes, (title, prediction) in zip(
-        panels, (("one step ahead", each.one_step), ("all the way", each.whole)), strict=True
+        panels, (("one step ahead", data.one_step), ("all the way", data.whole)), strict=True
     ):
         at = (np.arange(PIT_BINS) + 0.5) / PIT_BINS
         axes.bar(at, pit_counts(prediction.pit), width=0.9 / PIT_BINS, color=BLUE)
@@ -93,10 +93,10 @@ def pit_figure(each: DatasetScore) -> Figure:
         axes.set_title(title, fontsize=9)
         axes.set_xlabel("Probability of less")
     panels[0].set_ylabel("Values")
-    slug = "".join(letter if letter.isalnum() else "-" for letter in each.name.lower())[:40].strip("-")
+    slug = "".join(letter if letter.isalnum() else "-" for letter in data.name.lower())[:40].strip("-")
     return to_figure(
         figure,
-        f"pit-{each.kind}-{slug}",
+        f"pit-{data.kind}-{slug}",
         alt="Histograms of the probability integral transforms",
         caption=(
             "Where each value fell in its predicted distribution. Right predictions are flat; the grey band holds "
@@ -133,7 +133,7 @@ def page(score: Score) -> Page:
     folders = made.options["datasets"]
     named = folders if isinstance(folders, list) else []
     table = _overview(score) if len(score.datasets) > 1 else _table(score.datasets[0])
-    as_good = all(each.one_step.skill("last_leg") > -SAME for each in score.datasets)
+    as_good = all(data.one_step.skill("last_leg") > -SAME for data in score.datasets)
     return Page(
         title=f"How well {made.mission} predicts what was measured",
         answer=answer(score),
@@ -141,7 +141,7 @@ def page(score: Score) -> Page:
         numbers=_numbers(score.datasets[0]),
         write=lambda: [
             *([PageSection("All data sets", [_overview(score)])] if len(score.datasets) > 1 else []),
-            *(section for each in score.datasets for section in dataset_sections(each)),
+            *(section for data in score.datasets for section in dataset_sections(data)),
         ],
         verdict="bad" if not score.is_within_chance else "good" if as_good else "undecided",
         rerun=typed("score", made.file, *named, seed=made.seed),
@@ -153,34 +153,34 @@ def page(score: Score) -> Page:
 def answer(score: Score) -> str:
     """Say how well the next leg or dive is predicted, against the last one, and what the intervals hold."""
     said = []
-    for each in score.datasets[:3]:
-        one, many = GROUPS[each.kind]
-        which = f"all {each.groups} {many}"
-        which = which if each.learned == each.groups else f"{counted(each.learned, one)} of {each.groups}"
-        learned = f" It has learned from {which}: that is no prediction of data held out." if each.learned else ""
-        said.append(f"{told(each)}{learned}")
+    for data in score.datasets[:3]:
+        one, many = GROUPS[data.kind]
+        which = f"all {data.groups} {many}"
+        which = which if data.learned == data.groups else f"{counted(data.learned, one)} of {data.groups}"
+        learned = f" It has learned from {which}: that is no prediction of data held out." if data.learned else ""
+        said.append(f"{told(data)}{learned}")
     if len(score.datasets) == 1:
         words = f"This mission {said[0]}"
     else:
-        words = " ".join(f"{each.name}: this mission {how}" for each, how in zip(score.datasets, said, strict=False))
+        words = " ".join(f"{data.name}: this mission {how}" for data, how in zip(score.datasets, said, strict=False))
     if (more := len(score.datasets) - len(said)) > 0:
         words += f" {counted(more, 'more data set')} below."
     if score.is_within_chance:
         return f"{words} Nothing was fitted; chance allows where in their distributions the values fell."
-    off = [NAMES[name] for each in score.datasets for name, p in each.predictions.items() if not p.is_within_chance]
+    off = [NAMES[name] for data in score.datasets for name, p in data.predictions.items() if not p.is_within_chance]
     where = f"where in their distributions the values fell ({', '.join(dict.fromkeys(off))})"
     return f"{words} Chance does not allow {where}: they are wrong."
 
 
-def told(each: DatasetScore) -> str:
+def told(data: DatasetScore) -> str:
     """Say how a data set was predicted, after the words "this mission"."""
-    one, ahead = GROUPS[each.kind][0], each.one_step
-    held = f"its 90 % intervals hold {part(ahead.coverage_90)} of what was measured"
+    one, ahead = GROUPS[data.kind][0], data.one_step
+    inside = f"its 90 % intervals hold {part(ahead.coverage_90)} of what was measured"
     if abs((half := ahead.inside_50 / len(ahead.z)) - 0.5) > _FAR:
-        held += f", its 50 % intervals {part(half)}"
-    if not each.whole.is_within_chance:
-        held += f", its 90 % intervals without the past {part(each.whole.coverage_90)}"
-    return f"predicts the next {one} to {_metres(ahead.rmse)}, {_against(ahead.skill('last_leg'), one)}; {held}."
+        inside += f", its 50 % intervals {part(half)}"
+    if not data.whole.is_within_chance:
+        inside += f", its 90 % intervals without the past {part(data.whole.coverage_90)}"
+    return f"predicts the next {one} to {_metres(ahead.rmse)}, {_against(ahead.skill('last_leg'), one)}; {inside}."
 
 
 def _against(skill: float, one: str) -> str:
@@ -200,17 +200,17 @@ def _metres(value: float) -> str:
 def _overview(score: Score) -> Table:
     rows = [
         [
-            each.name,
+            data.name,
             NAMES[name],
-            str(each.groups),
+            str(data.groups),
             _metres(prediction.rmse),
             f"{100.0 * prediction.skill('last_leg'):.0f} %",
             f"{prediction.log_score:.2f}",
             _held(prediction.inside_90, len(prediction.z)),
             "yes" if prediction.is_within_chance else "no",
         ]
-        for each in score.datasets
-        for name, prediction in each.predictions.items()
+        for data in score.datasets
+        for name, prediction in data.predictions.items()
     ]
     quality = ("Error, rms", "Skill against the last", "Log score", "In 90 %", "Chance")
     return Table(("Data set", "Prediction", "Groups", *quality), rows, "Groups are legs or dives.", text_columns=2)
@@ -221,20 +221,20 @@ def _held(inside: int, count: int) -> str:
     return f"{100.0 * inside / count:.0f} % ({100.0 * interval.low:.0f} to {100.0 * interval.high:.0f})"
 
 
-def _numbers(each: DatasetScore) -> list[tuple[str, str]]:
-    one, _ = GROUPS[each.kind]
-    ahead = each.one_step
+def _numbers(data: DatasetScore) -> list[tuple[str, str]]:
+    one, _ = GROUPS[data.kind]
+    ahead = data.one_step
     return [
         (f"Error of the next {one}, rms", _metres(ahead.rmse)),
         ("90 % intervals, one step ahead", _held(ahead.inside_90, len(ahead.z))),
-        ("90 % intervals, all the way", _held(each.whole.inside_90, len(each.whole.z))),
+        ("90 % intervals, all the way", _held(data.whole.inside_90, len(data.whole.z))),
     ]
 
 
-def _table(each: DatasetScore) -> Table:
-    one, many = GROUPS[each.kind]
+def _table(data: DatasetScore) -> Table:
+    one, many = GROUPS[data.kind]
     rows = []
-    for name, prediction in each.predictions.items():
+    for name, prediction in data.predictions.items():
         rows.append(
             [
                 f"this mission, {NAMES[name]}",
@@ -250,13 +250,13 @@ def _table(each: DatasetScore) -> Table:
         if (bare.rmse, bare.log_score) != (prediction.rmse, prediction.log_score):  # the mission has effects
             label = f"{YARDSTICKS['no_effects']}, {NAMES[name]}"
             rows.append(_row(label, bare.rmse, prediction.skill("no_effects"), bare.log_score, bare.crps))
-    for name, other in each.one_step.yardsticks.items():
+    for name, other in data.one_step.yardsticks.items():
         if name != "no_effects":
             label = YARDSTICKS[name].format(group=one)
-            rows.append(_row(label, other.rmse, each.one_step.skill(name), other.log_score, other.crps))
+            rows.append(_row(label, other.rmse, data.one_step.skill(name), other.log_score, other.crps))
     caption = (
         f"Skill: the part of a yardstick's error that the mission avoids, one step ahead but for the last row without "
-        f"effects. Log scores are means over {len(each.measured)} values (greater is better), CRPS likewise (less is "
+        f"effects. Log scores are means over {len(data.measured)} values (greater is better), CRPS likewise (less is "
         f"better). Yardsticks predict {many} from those before, with the spread of their own errors so far."
     )
     columns = ["Prediction", "Error, rms", "Skill", "Log score", "CRPS", "In 50 %", "In 90 %"]
@@ -267,12 +267,12 @@ def _row(label: str, rmse: float, skill: float, log_score: float, crps: float) -
     return [label, _metres(rmse), f"{100.0 * skill:.0f} %", f"{log_score:.2f}", _metres(crps), "", ""]
 
 
-def dataset_sections(each: DatasetScore, name: str = "") -> list[PageSection]:
+def dataset_sections(data: DatasetScore, name: str = "") -> list[PageSection]:
     """Show the scores of a data set beside yardsticks; `name` stands for its own."""
-    name = name or each.name
-    one, _ = GROUPS[each.kind]
+    name = name or data.name
+    one, _ = GROUPS[data.kind]
     words = []
-    for which, prediction in each.predictions.items():
+    for which, prediction in data.predictions.items():
         low, high = prediction.chance_90
         words.append(
             f"{EXPLAINED[which].format(group=one)} Its {100.0 * STATED:.0f} % intervals hold "
@@ -282,8 +282,8 @@ def dataset_sections(each: DatasetScore, name: str = "") -> list[PageSection]:
             f"deviations have a mean of {prediction.z.mean():.2f} and a standard deviation of {prediction.z.std():.2f}."
         )
     return [
-        PageSection(f"{name}: scores beside yardsticks", [_table(each), *words, _ASSUMED[each.kind]]),
-        PageSection(f"{name}: where in their distributions the values fell", [pit_figure(each)]),
+        PageSection(f"{name}: scores beside yardsticks", [_table(data), *words, _ASSUMED[data.kind]]),
+        PageSection(f"{name}: where in their distributions the values fell", [pit_figure(data)]),
     ]
 
 

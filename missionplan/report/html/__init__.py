@@ -40,7 +40,7 @@ def render_page(page: Page, planned: Sequence[PageSection], provenance: Provenan
     page = named_apart(page)
     sections = [*page.sections, *planned]
     first = [section for section in sections if section.is_summary]
-    appendix = sorted((section for section in sections if not section.is_summary), key=lambda each: each.is_sheet)
+    appendix = sorted((section for section in sections if not section.is_summary), key=lambda section: section.is_sheet)
     script = (files("missionplan.report.html") / "page.js").read_text(encoding="utf-8")
     html = (
         _environment()
@@ -99,13 +99,13 @@ def _environment() -> Environment:
 
 def grouped(blocks: Sequence[Block]) -> list[Block | list[Figure]]:
     """Put figures that follow one another in a list: on paper they stand side by side."""
-    found: list[Block | list[Figure]] = []
+    groups: list[Block | list[Figure]] = []
     for is_figure, run in groupby(blocks, key=lambda block: isinstance(block, Figure)):
         if is_figure:
-            found.append([block for block in run if isinstance(block, Figure)])
+            groups.append([block for block in run if isinstance(block, Figure)])
         else:
-            found.extend(run)
-    return found
+            groups.extend(run)
+    return groups
 
 
 def shape(table: Table) -> str:
@@ -122,7 +122,7 @@ def _characters(table: Table) -> int:
     wrapped = max(table.text_columns, 1)
     columns = list(zip(table.columns, *table.rows, strict=True))[wrapped:]
     longest = (max(map(len, (*head.split(), *cells)), default=0) for head, *cells in columns)
-    return 10 * wrapped + sum(2 + each for each in longest)
+    return 10 * wrapped + sum(2 + length for length in longest)
 
 
 def filled(table: Table) -> Table:
@@ -175,10 +175,10 @@ def size_class(figure: Figure) -> str:
 
 def rerun_command(provenance: Provenance) -> str:
     """Write the command that reproduces the result from the folder's own `mission.yaml`."""
-    own = mapping(provenance.data.get("monte_carlo")).get("trials")
+    trials = mapping(provenance.data.get("monte_carlo")).get("trials")
     chosen = provenance.trials > 0 and not provenance.options.get("precision")
-    given = {"trials": provenance.trials if chosen and provenance.trials != own else None, **provenance.options}
-    options = {name: value for name, value in given.items() if not isinstance(value, bool)}
+    arguments = {"trials": provenance.trials if chosen and provenance.trials != trials else None, **provenance.options}
+    options = {name: value for name, value in arguments.items() if not isinstance(value, bool)}
     bare = provenance.options.get("assumptions") is False or None
     shown = {"seed": provenance.seed, **options, "no_assumptions": bare, "units": given_units() or None}
     return typed(provenance.command, "mission.yaml", **shown)

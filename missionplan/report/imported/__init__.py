@@ -201,7 +201,7 @@ def _sections(result: ImportedData) -> list[PageSection]:
         PageSection(shows, [Table(("what", "can it be seen?"), result.can_show, text_columns=2)]),
         PageSection("What to type next", [starter, Listing("\n".join(result.next_commands)), mission]),
         PageSection(_dives_heading(result), [*([depth] if depth else []), _dives_table(result)]),
-        *(explained_section(result, each) for each in result.pictures),
+        *(explained_section(result, picture) for picture in result.pictures),
         PageSection("What was read", blocks),
     ]
     if result.kind == "transit" and result.counted:
@@ -212,9 +212,12 @@ def _sections(result: ImportedData) -> list[PageSection]:
 def _cells(result: ImportedData) -> Cells:
     """Tabulate for a terminal: what legs rest on, or how many dives count and why others do not."""
     if result.pictures:
-        told = [row for each in result.pictures for row in (("leg", str(result.dives["leg"].iloc[each.row])),
-                                                           *explained_rows(result, each))]  # fmt: skip
-        return ("what a leg rests on", ""), told
+        rows = [
+            row
+            for picture in result.pictures
+            for row in (("leg", str(result.dives["leg"].iloc[picture.row])), *explained_rows(result, picture))
+        ]
+        return ("what a leg rests on", ""), rows
     if result.basis is not None:
         return COLUMNS, basis_rows(result.dives.head(_LISTED), result.basis)
     return ("", "dives"), [
@@ -241,13 +244,13 @@ def answer(result: ImportedData) -> str:
 def _numbers(result: ImportedData) -> list[tuple[str, str]]:
     if not result.is_of_legs:
         return []
-    found = result.figures.summary()
-    about = f"{found['velocity_error_mean_east_m_s']:.3f}, "
-    about += quantity(found["velocity_error_mean_north_m_s"], "m/s", ".3f")
+    values = result.figures.summary()
+    about = f"{values['velocity_error_mean_east_m_s']:.3f}, "
+    about += quantity(values["velocity_error_mean_north_m_s"], "m/s", ".3f")
     return [
-        ("Velocity error, each axis", f"{quantity(found['velocity_error_sigma_m_s'], 'm/s', '.3f')} about {about}"),
-        ("Leg, median", f"{quantity(found['leg_length_m'], 'm', '.0f')} in {found['leg_duration_s'] / 60.0:.0f} min"),
-        ("Fix, each axis", quantity(found["fix_sd_m"], "m", ".1f")),
+        ("Velocity error, each axis", f"{quantity(values['velocity_error_sigma_m_s'], 'm/s', '.3f')} about {about}"),
+        ("Leg, median", f"{quantity(values['leg_length_m'], 'm', '.0f')} in {values['leg_duration_s'] / 60.0:.0f} min"),
+        ("Fix, each axis", quantity(values["fix_sd_m"], "m", ".1f")),
     ]
 
 

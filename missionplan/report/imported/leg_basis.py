@@ -68,8 +68,10 @@ def explained_rows(result: ImportedData, picture: LegPicture) -> Iterator[tuple[
         stated = f"{quantity(sd, 'm', '.1f')} each axis" if math.isfinite(sd) else "its accuracy is not stated"
         yield f"fix {side}", f"{t}: {_JUDGED[dive[f'fix_{side}_by']]}; {stated}"
     if picture.reasons:
-        yield "fixes left out near it", "; ".join(f"{picture.reasons.count(each)}: {each}" for each in
-                                                  dict.fromkeys(picture.reasons))  # fmt: skip
+        yield (
+            "fixes left out near it",
+            "; ".join(f"{picture.reasons.count(reason)}: {reason}" for reason in dict.fromkeys(picture.reasons)),
+        )
     lag = dive["lag_dr_end_s"]
     last = f", the last {lag:.0f} s before the fix" if math.isfinite(lag) else ""
     doubt = dive["dr_sd_m"]
@@ -169,5 +171,12 @@ def draw_times(axes: Axes, result: ImportedData, picture: LegPicture) -> None:
 
 def _ticks(axes: Axes, t: Sequence[float] | np.ndarray, colour: str) -> None:
     """Draw moments as ticks on the upper edge."""
-    axes.plot(np.asarray(t) / 60.0, np.full(len(t), 1.0), "v", color=colour, transform=axes.get_xaxis_transform(),
-              clip_on=False, markersize=5)  # fmt: skip
+    axes.plot(
+        np.asarray(t) / 60.0,
+        np.full(len(t), 1.0),
+        "v",
+        color=colour,
+        transform=axes.get_xaxis_transform(),
+        clip_on=False,
+        markersize=5,
+    )

@@ -29,11 +29,11 @@ _SIDES = np.array([(np.sin(angle), np.cos(angle)) for angle in np.radians(np.ara
 
 def overdue_section(outcome: Outcome) -> Iterator[PageSection]:
     """Build the sheet, where enough trials come back to make one."""
-    found = outcome.overdue
-    if found is None:
+    sheet = outcome.overdue
+    if sheet is None:
         return
     start = _start(outcome)
-    blocks: list[Block] = [_why(found, start), _times(found, start), _map(outcome, found), _areas(outcome, found)]
+    blocks: list[Block] = [_why(sheet, start), _times(sheet, start), _map(outcome, sheet), _areas(outcome, sheet)]
     words = (
         "Not released: within the circle about the mooring, line and all. Adrift: from a surfacing after the mooring "
         "on (from any where there is none), or from where the trials that failed were last at a fix. On the "
@@ -41,8 +41,12 @@ def overdue_section(outcome: Outcome) -> Iterator[PageSection]:
         "to, at a moment as likely as any other. The shares are those of the model, which assumes: "
     )
     yield PageSection(
-        f"If it does not come back: worry after {_clock(found.worry_after, start)}",
-        [*blocks, words + in_reader_units(" ".join(each.value for each in found.assumptions)), *_battery(found)],
+        f"If it does not come back: worry after {_clock(sheet.worry_after, start)}",
+        [
+            *blocks,
+            words + in_reader_units(" ".join(assumption.value for assumption in sheet.assumptions)),
+            *_battery(sheet),
+        ],
         is_sheet=True,
     )
 
@@ -78,35 +82,35 @@ def _hours_minutes(seconds: float) -> str:
     return f"{minutes // 60}:{minutes % 60:02d}"
 
 
-def _why(found: Overdue, start: datetime | None) -> str:
-    back = found.times[-1]
-    of = {0.999: "999 of 1000", 0.99: "99 of 100", 0.95: "19 of 20"}[found.worry_share]
+def _why(sheet: Overdue, start: datetime | None) -> str:
+    back = sheet.times[-1]
+    of = {0.999: "999 of 1000", 0.99: "99 of 100", 0.95: "19 of 20"}[sheet.worry_share]
     words = (
-        f"By {_clock(found.worry_after, start)} after the start, {of} missions that come back are back; half "
+        f"By {_clock(sheet.worry_after, start)} after the start, {of} missions that come back are back; half "
         f"are by {_clock(back.p50, None)}."
     )
-    if found.worry_share < 0.999:
+    if sheet.worry_share < 0.999:
         words += " So few trials tell of no later hour; some 2300 that come back tell of 999 in 1000."
-    if not found.missing:
+    if not sheet.missing:
         return f"{words} In the model every mission comes back: what keeps it away is not in the model."
-    worst = max(found.missing, key=lambda step: found.missing[step])
-    share = 100.0 * sum(found.missing.values())
-    most = "most of them" if 100.0 * found.missing[worst] > 0.5 * share else "most often"
+    worst = max(sheet.missing, key=lambda step: sheet.missing[step])
+    share = 100.0 * sum(sheet.missing.values())
+    most = "most of them" if 100.0 * sheet.missing[worst] > 0.5 * share else "most often"
     reason = failure_in_words(worst)
     return f"{words} {number(share, 0.1 * share)} % never do in the model, {most} because of {reason}."
 
 
-def _times(found: Overdue, start: datetime | None) -> Table:
-    has_energy = any(math.isfinite(time.energy_left) for time in found.times)
-    told = 1 + (0.95, 0.99, 0.999).index(found.worry_share)
+def _times(sheet: Overdue, start: datetime | None) -> Table:
+    has_energy = any(math.isfinite(time.energy_left) for time in sheet.times)
+    digits = 1 + (0.95, 0.99, 0.999).index(sheet.worry_share)
     rows = []
-    for time in found.times:
-        *before, latest = (time.p50, time.p95, time.p99, time.p999)[: told + 1]
+    for time in sheet.times:
+        *before, latest = (time.p50, time.p95, time.p99, time.p999)[: digits + 1]
         clocks = [_hours_minutes(value) for value in before]
         last = _clock(latest, start) if start else _hours_minutes(latest)
         energy = [number(time.energy_left, 0.05 * abs(time.energy_left) + 0.1)] if has_energy else []
         rows.append((time.name, portion_in_words(time.share), *clocks, last, *energy))
-    columns = ["at the surface", "trials", *("50 %", "95 %", "99 %", "99.9 %")[: told + 1]]
+    columns = ["at the surface", "trials", *("50 %", "95 %", "99 %", "99.9 %")[: digits + 1]]
     caption = "Hours and minutes since the start by which that share of the trials is there."
     if any("" in row for row in rows):
         caption += " Blank: too few trials to tell."
@@ -116,9 +120,9 @@ def _times(found: Overdue, start: datetime | None) -> Table:
     return Table(columns, rows, caption)
 
 
-def _map(outcome: Outcome, found: Overdue) -> Figure:
+def _map(outcome: Outcome, sheet: Overdue) -> Figure:
     """Draw the search areas; of the drift, one for each number of hours overdue."""
-    drawn = [area for area in found.areas if area.share == SHARES[-1]]
+    drawn = [area for area in sheet.areas if area.share == SHARES[-1]]
     shown = frame([], [area.points for area in drawn], tallest=0.75)  # on paper it stands between two tables
     above = 0.15 + 0.2 * math.ceil(len({area.way for area in drawn}) / 2)
     figure, (axes,) = column_of_panels(WIDTH, [(WIDTH - 0.95) * shown.shape], (0.8, 0.15, 0.5, above))
@@ -166,7 +170,7 @@ def _name_hours(axes: Axes, drawn: Sequence[SearchArea], limits: Array) -> None:
         axes.text(east / 1000.0, north / 1000.0, words, fontsize=8, ha=align, va="center", color=INK)
 
 
-def _areas(outcome: Outcome, found: Overdue) -> Table:
+def _areas(outcome: Outcome, sheet: Overdue) -> Table:
     """One row a way and hour: where to begin, and how large the area of 95 % is."""
     rows = [
         (
@@ -175,9 +179,9 @@ def _areas(outcome: Outcome, found: Overdue) -> Table:
             _place(outcome, (area.densest_east, area.densest_north)),
             _size(area),
             _area(area),
-            *([portion_in_words(area.missed)] if found.searches else []),
+            *([portion_in_words(area.missed)] if sheet.searches else []),
         )
-        for area in found.areas
+        for area in sheet.areas
         if area.share == SHARES[-1]
     ]
     columns = ["way to fail", "overdue", "begin at", "half axes", "area"]
@@ -186,9 +190,9 @@ def _areas(outcome: Outcome, found: Overdue) -> Table:
         "the ellipse that is like the area, and the course of the longer. Areas hold 95 % of the trials; "
         "search-areas.csv and the GeoJSON have those of 50 and 90 % too."
     )
-    if found.searches:
+    if sheet.searches:
         columns.append("missed by searches")
-        caption += f" What is left after nothing was found in {counted(found.searches, 'searched area')}."
+        caption += f" What is left after nothing was found in {counted(sheet.searches, 'searched area')}."
     return Table(columns, rows, caption)
 
 
@@ -242,9 +246,9 @@ def in_minutes(angle: float, signs: str) -> str:
     return f"{degrees}°\u00a0{minutes / 100.0:05.2f}′\u00a0{signs[angle < 0.0]}"
 
 
-def _battery(found: Overdue) -> Iterator[str]:
+def _battery(sheet: Overdue) -> Iterator[str]:
     """Say that the sheet knows nothing of the battery, where it does not."""
-    if not any(math.isfinite(time.energy_left) for time in found.times):
+    if not any(math.isfinite(time.energy_left) for time in sheet.times):
         yield (
             "Battery: the mission says nothing of it (energy.capacity), so that this sheet cannot tell how long the "
             "vehicle can hold a position, answer or run its beacon."
@@ -253,8 +257,8 @@ def _battery(found: Overdue) -> Iterator[str]:
 
 def search_areas_geojson(outcome: Outcome) -> str | None:
     """Write the search areas as polygons; None without areas or without an origin."""
-    found, origin = outcome.overdue, outcome.tracks.origin
-    if found is None or origin is None:
+    sheet, origin = outcome.overdue, outcome.tracks.origin
+    if sheet is None or origin is None:
         return None
     features = (
         feature(
@@ -264,6 +268,6 @@ def search_areas_geojson(outcome: Outcome) -> str | None:
             name=f"{_where(area)}, {_hours(area)}, {100.0 * area.share:.0f} %",
             **area.row(),
         )
-        for area in found.areas
+        for area in sheet.areas
     )
     return collection(outcome.provenance.mission, features)

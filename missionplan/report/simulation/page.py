@@ -88,7 +88,7 @@ def distributions_section(outcome: Outcome) -> PageSection:
     ]
     varying = [(phase, key) for phase, key in shown if relative_spread(phase.quantities[key]) > LEAST_SPREAD]
     fixed, medians = [], []
-    for phase, key in (each for each in shown if each not in varying):
+    for phase, key in (pair for pair in shown if pair not in varying):
         value = with_error(phase.quantities[key].mean, 0.0, unit_of(outcome, phase, key))
         fixed.append(f"The {in_words(f'{phase.name}.{key}')} is {value} in every trial that reached it.")
     for key in ("duration_s", "energy_wh"):
@@ -143,7 +143,7 @@ def page(outcome: Outcome) -> Page:
             *attrition_section(outcome),
             *ends_section(outcome),
             *overdue_section(outcome),
-            *(hold_section(held, alone=len(outcome.held) == 1) for held in outcome.held),
+            *(hold_section(hold, alone=len(outcome.held) == 1) for hold in outcome.held),
             distributions_section(outcome),
             *sensitivity_sections(outcome),
             quantities_section(outcome),
@@ -200,18 +200,18 @@ _WORTH_TELLING = 0.01
 
 def _holds_in_words(outcome: Outcome) -> Iterator[str]:
     """Write how often anchors drag and hulls touch the seafloor where, for want of data, that fails no trial."""
-    for held in outcome.held:
-        phase = next(phase for phase in outcome.phases if phase.name == held.phase)
+    for hold in outcome.held:
+        phase = next(phase for phase in outcome.phases if phase.name == hold.phase)
         moored, trials = phase.quantities["holding_margin"].count, outcome.provenance.trials
         dragged = wilson(moored - round(phase.events["anchor_holds"].value * trials), trials)
         grounded = phase.events["grounded"]
-        where, factor = phase_in_words(held.phase), f"with an assumed holding factor of {held.friction:g}"
-        for is_given, told, words in (
-            (held.friction_given, dragged, f"{factor} the anchor ({where}) drags"),
-            (held.centres_given, grounded, f"with its centres assumed the hull touches the seafloor ({where})"),
+        where, factor = phase_in_words(hold.phase), f"with an assumed holding factor of {hold.friction:g}"
+        for is_given, count, words in (
+            (hold.friction_given, dragged, f"{factor} the anchor ({where}) drags"),
+            (hold.centres_given, grounded, f"with its centres assumed the hull touches the seafloor ({where})"),
         ):
-            if not is_given and told.value > _WORTH_TELLING:
-                yield f"Not counted as failures: {words} in {share(told)} of the trials."
+            if not is_given and count.value > _WORTH_TELLING:
+                yield f"Not counted as failures: {words} in {share(count)} of the trials."
 
 
 _SURE = 0.9
@@ -297,11 +297,11 @@ def _numbers(outcome: Outcome) -> list[tuple[str, str]]:
 def histogram(axes: Axes, outcome: Outcome, quantity: str = "total.duration_s") -> None:
     """Draw the distribution of a quantity, such as ``moor.offset_m``, over the trials."""
     phases = {phase.name: phase for phase in (*outcome.phases, outcome.total)}
-    known = {f"{name}.{key}": (phase, key) for name, phase in phases.items() for key in phase.histograms}
-    if quantity not in known:
-        problem = Problem(f"given {shown(quantity)}, expected one of {', '.join(known)}", key="quantity")
-        raise InputError([Problem(problem.message, key="quantity", hint=did_you_mean(str(quantity), known))])
-    phase, key = known[quantity]
+    choices = {f"{name}.{key}": (phase, key) for name, phase in phases.items() for key in phase.histograms}
+    if quantity not in choices:
+        problem = Problem(f"given {shown(quantity)}, expected one of {', '.join(choices)}", key="quantity")
+        raise InputError([Problem(problem.message, key="quantity", hint=did_you_mean(str(quantity), choices))])
+    phase, key = choices[quantity]
     draw_histogram(axes, outcome, phase, key)
 
 

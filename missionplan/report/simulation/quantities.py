@@ -120,11 +120,11 @@ def _decided_in_words(met: int, count: int) -> str:
 def _remedy(undecided: Sequence[RequirementOutcome]) -> str:
     """Write how many trials would decide the requirements that are undecided."""
     needed = [item.trials_to_decide for item in undecided]
-    known = [trials for trials in needed if trials is not None]
-    if len(known) < len(needed):
+    counts = [trials for trials in needed if trials is not None]
+    if len(counts) < len(needed):
         return "what is reached is what is required, so that no number of trials decides"
-    step = 10 ** max(len(str(max(known))) - 2, 0)  # two digits
-    trials = number(float(math.ceil(max(known) / step) * step))
+    step = 10 ** max(len(str(max(counts))) - 2, 0)  # two digits
+    trials = number(float(math.ceil(max(counts) / step) * step))
     return f"about {trials} trials would decide, if the share stays as it is"
 
 
@@ -216,18 +216,18 @@ def sensitivity_sections(outcome: Outcome) -> Iterator[PageSection]:
         return not group[0].startswith(required), not group[0].startswith("total")
 
     drawn = [
-        (output, [influence for influence in found if influence.first_order > _LEAST_SHOWN] or found[:1])
-        for output, found in sorted(influential, key=rank)[:_MOST_FIGURES]
+        (output, [influence for influence in influences if influence.first_order > _LEAST_SHOWN] or influences[:1])
+        for output, influences in sorted(influential, key=rank)[:_MOST_FIGURES]
     ]
     rows = [
         (
             in_words(output),
-            in_words(each.source),
-            with_error(each.first_order, each.standard_error, PERCENT),
-            _direction(each),
+            in_words(influence.source),
+            with_error(influence.first_order, influence.standard_error, PERCENT),
+            _direction(influence),
         )
-        for output, found in drawn
-        for each in found
+        for output, influences in drawn
+        for influence in influences
     ]
     columns = ("of the", "input", "share of the variance", "a larger input makes it")
     # name the input that accounts for most of a figure, of those that vary enough to be worth a thought
@@ -251,11 +251,15 @@ def _influential(outcome: Outcome) -> Iterator[InputsOf]:
 
     What a mission of one phase has as its total too is told once.
     """
-    totals = {each.output.partition(".")[2] for each in outcome.sensitivities if each.output.startswith("total.")}
+    totals = {
+        influence.output.partition(".")[2]
+        for influence in outcome.sensitivities
+        if influence.output.startswith("total.")
+    }
     alone = outcome.phases[0].name if len(outcome.phases) == 1 else None
-    for output, found in groupby(outcome.sensitivities, key=lambda influence: influence.output):
+    for output, influences in groupby(outcome.sensitivities, key=lambda influence: influence.output):
         phase, _, key = output.partition(".")
-        clear = [each for each in found if each.first_order > 2.0 * each.standard_error]
+        clear = [influence for influence in influences if influence.first_order > 2.0 * influence.standard_error]
         if clear and (phase != alone or key not in totals) and _spread(outcome, output) > LEAST_SPREAD:
             yield output, clear[:_MOST_INPUTS]
 

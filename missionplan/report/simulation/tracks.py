@@ -67,7 +67,7 @@ def sample_trials(outcome: Outcome) -> tuple[int, list[int]]:
 
 def track_points(outcome: Outcome, trial: int) -> list[TrackPoint]:
     """Return the points that a trial has, in the order of time."""
-    tracks, found = outcome.tracks, []
+    tracks, points = outcome.tracks, []
     names, kinds = list(tracks.targets), {phase.name: phase.kind for phase in outcome.phases}
     number = dict.fromkeys(range(len(names)), -1)
     for place, time, index in zip(
@@ -80,8 +80,8 @@ def track_points(outcome: Outcome, trial: int) -> list[TrackPoint]:
         phase = _label(outcome, names[index])
         name = f"{phase}: {kind}{f' {ordinal}' if ordinal else ''}"
         position = (place[0], place[1])
-        found.append(TrackPoint(name, kind, phase, position, time, _utc(outcome, time), _depth(outcome, phase)))
-    return found
+        points.append(TrackPoint(name, kind, phase, position, time, _utc(outcome, time), _depth(outcome, phase)))
+    return points
 
 
 def _kind(phase: str, number: int) -> tuple[str, int]:
@@ -97,7 +97,7 @@ def _kind(phase: str, number: int) -> tuple[str, int]:
 
 def _label(outcome: Outcome, phase: str) -> str:
     """What the mission calls a phase, of which key paths may only have the place."""
-    return next((each.label for each in outcome.phases if each.name == phase), phase)
+    return next((candidate.label for candidate in outcome.phases if candidate.name == phase), phase)
 
 
 def _depth(outcome: Outcome, label: str) -> float | None:
@@ -151,15 +151,15 @@ def _folders(outcome: Outcome) -> dict[str, list[Feature]] | None:
     about = []
     for ring in rings(outcome):
         share = None if math.isnan(ring.share) else ring.share
-        told = {"name": describe(ring), "phase": _label(outcome, ring.phase), "share": share}
+        properties = {"name": describe(ring), "phase": _label(outcome, ring.phase), "share": share}
         boundary = longitudes_latitudes(ring.line, origin)
-        about.append(area_feature(boundary, ring.kind, **told, radius_m=round(ring.radius, 3)))
+        about.append(area_feature(boundary, ring.kind, **properties, radius_m=round(ring.radius, 3)))
     for name, (goal, _) in outcome.tracks.targets.items():
         (place,) = longitudes_latitudes(np.array(goal)[:, None], origin)
         label = _label(outcome, name)
         about.append(feature("Point", place, "goal", name=f"{label}: goal", phase=label))
-    for each in about:
-        folders.setdefault(str(properties_of(each)["phase"]), []).append(each)
+    for shape in about:
+        folders.setdefault(str(properties_of(shape)["phase"]), []).append(shape)
     return folders
 
 

@@ -115,10 +115,10 @@ class Diagnosis(Judgement, Result):
 
     def probability_of(self, effect: str) -> float:
         """Probability of one of the mission's own effects after these data; 1 where it has no doubt of it."""
-        holding = [effect in each.causes for each in self.explanations]
+        holding = [effect in odds.causes for odds in self.explanations]
         if not any(holding):
             return 1.0
-        return sum(each.probability for each, holds in zip(self.explanations, holding, strict=True) if holds)
+        return sum(odds.probability for odds, holds in zip(self.explanations, holding, strict=True) if holds)
 
     @property
     def borne_out(self) -> Causes:
@@ -222,23 +222,23 @@ class Campaign(Result):
     @property
     def names(self) -> tuple[str, ...]:
         """Names of the data sets, with the folder where several have the same name."""
-        count = Counter(each.data for each in self.diagnoses)
+        count = Counter(diagnosis.data for diagnosis in self.diagnoses)
         return tuple(
-            each.data
-            if count[each.data] == 1
-            else f"{each.data} ({Path(str(each.provenance.options['dataset'])).name})"
-            for each in self.diagnoses
+            diagnosis.data
+            if count[diagnosis.data] == 1
+            else f"{diagnosis.data} ({Path(str(diagnosis.provenance.options['dataset'])).name})"
+            for diagnosis in self.diagnoses
         )
 
     @property
     def informed_by(self) -> Annotated[dict[str, tuple[str, ...]], Entry()]:
         """By effect that the extended mission has learned of, the data sets that had a say in it."""
-        found: dict[str, list[str]] = {}
-        for each, name in zip(self.diagnoses, self.names, strict=True):
-            had_a_say = (*each.causes, *(p.effect for p in each.confirmed)) if each.learned_from else ()
+        datasets: dict[str, list[str]] = {}
+        for diagnosis, name in zip(self.diagnoses, self.names, strict=True):
+            had_a_say = (*diagnosis.causes, *(p.effect for p in diagnosis.confirmed)) if diagnosis.learned_from else ()
             for effect in dict.fromkeys(had_a_say):
-                found.setdefault(effect, []).append(name)
-        return {effect: tuple(names) for effect, names in found.items()}
+                datasets.setdefault(effect, []).append(name)
+        return {effect: tuple(names) for effect, names in datasets.items()}
 
     @property
     def shared(self) -> Annotated[tuple[str, ...], Entry()]:
@@ -248,7 +248,7 @@ class Campaign(Result):
     @property
     def datasets(self) -> Annotated[tuple[Mapping[str, object], ...], Entry()]:
         """The diagnosis of each data set."""
-        return tuple({"name": each.data, **each.diagnosis()} for each in self.diagnoses)
+        return tuple({"name": diagnosis.data, **diagnosis.diagnosis()} for diagnosis in self.diagnoses)
 
     @property
     def extended_mission(self) -> Annotated[str, Entry()]:
@@ -263,25 +263,25 @@ class Campaign(Result):
         """One row a data set."""
         rows = [
             {
-                "dataset": each.data,
-                "kind": each.kind,
-                "verdict": each.verdict,
-                "causes": joined(each.causes),
-                "changed": joined(each.changed),
-                "confirmed": joined(each.borne_out),
+                "dataset": diagnosis.data,
+                "kind": diagnosis.kind,
+                "verdict": diagnosis.verdict,
+                "causes": joined(diagnosis.causes),
+                "changed": joined(diagnosis.changed),
+                "confirmed": joined(diagnosis.borne_out),
             }
-            for each in self.diagnoses
+            for diagnosis in self.diagnoses
         ]
         return pd.DataFrame(rows)
 
     def files(self) -> dict[str, str | bytes]:
         """``diagnosis.json``, ``campaign.csv``, the extended ``mission.yaml``, and a folder for each data set."""
-        found: dict[str, str | bytes] = {
+        contents: dict[str, str | bytes] = {
             "diagnosis.json": to_json(self.diagnosis()),
             "campaign.csv": to_csv(self.to_frame()),
             **mission_files(self.extended),
         }
-        for index, each in enumerate(self.diagnoses, start=1):
-            own = {"summary.json": to_json(each.summary()), **each.files()}
-            found |= {f"{index}-{each.kind}/{name}": content for name, content in own.items()}
-        return found
+        for index, diagnosis in enumerate(self.diagnoses, start=1):
+            files = {"summary.json": to_json(diagnosis.summary()), **diagnosis.files()}
+            contents |= {f"{index}-{diagnosis.kind}/{name}": content for name, content in files.items()}
+        return contents

@@ -51,4 +51,4 @@ class ParameterLevels(Record):
     @property
     def jumps(self) -> tuple[Level, ...]:
         """Missions before which it jumped."""
-        return tuple(each for each in self.missions if each.jumped >= LIKELY_JUMP)
+        return tuple(level for level in self.missions if level.jumped >= LIKELY_JUMP)

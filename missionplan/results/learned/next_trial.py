@@ -166,9 +166,9 @@ class NextTrial(Record):
     @property
     def settling(self) -> ValuedDesign | None:
         """The cheapest of those that nearly best tell what to do about the vehicle; None where none tells more."""
-        most = max((each.right for each in self.designs), default=0.0)
-        enough = [each for each in self.designs if each.right >= most - NEARLY_RIGHT]
-        return min(enough, key=lambda each: each.minutes) if most > self.right + MORE_RIGHT else None
+        most = max((design.right for design in self.designs), default=0.0)
+        enough = [design for design in self.designs if design.right >= most - NEARLY_RIGHT]
+        return min(enough, key=lambda design: design.minutes) if most > self.right + MORE_RIGHT else None
 
     @property
     def recommended(self) -> ValuedDesign | None:
@@ -177,15 +177,15 @@ class NextTrial(Record):
 
     def to_frame(self) -> pd.DataFrame:
         """One row a design."""
-        return pd.DataFrame([each.row() for each in self.designs])
+        return pd.DataFrame([design.row() for design in self.designs])
 
     def files(self) -> dict[str, str | bytes]:
         """``next-trials.csv``, and the recommended trial as ``next-trial.yaml``, with what its outcomes would mean."""
-        found: dict[str, str | bytes] = {"next-trials.csv": to_csv(self.to_frame())} if self.designs else {}
+        contents: dict[str, str | bytes] = {"next-trials.csv": to_csv(self.to_frame())} if self.designs else {}
         if self.trial is not None:
-            told = "".join(f"# {line}\n" for line in self._notes())  # for who sails it
-            found["next-trial.yaml"] = told + to_yaml(self.trial)
-        return found
+            comments = "".join(f"# {line}\n" for line in self._notes())  # for who sails it
+            contents["next-trial.yaml"] = comments + to_yaml(self.trial)
+        return contents
 
     def _notes(self) -> list[str]:
         made, unit = self.recommended, "m" if self.decides == "d_max_m" else "N"
@@ -202,12 +202,14 @@ class NextTrial(Record):
         if self.best is None:
             return lines
         lines.append(f"Now the {chosen} is best at {self.choice:.4g} {unit}. What the outcomes would mean:")
-        for each in self.outcomes:
+        for outcome in self.outcomes:
             same = f"keep {self.choice:.4g} {unit}"
-            new = f"choose {each.choice:.4g} {unit}, which saves {max(each.saving, 0.0):.2g} {self.unit} a mission"
-            looks = " and ".join(cause.replace("-", " ") for cause in each.causes) or "nothing new"
-            percent = min(100.0 * each.probability, 99.0)  # the models are approximate: nothing is certain
-            lines.append(f"- {looks} ({percent:.0f} %): {same if each.choice == self.choice else new}")
+            new = (
+                f"choose {outcome.choice:.4g} {unit}, which saves {max(outcome.saving, 0.0):.2g} {self.unit} a mission"
+            )
+            looks = " and ".join(cause.replace("-", " ") for cause in outcome.causes) or "nothing new"
+            percent = min(100.0 * outcome.probability, 99.0)  # the models are approximate: nothing is certain
+            lines.append(f"- {looks} ({percent:.0f} %): {same if outcome.choice == self.choice else new}")
         if self.rule is not None:
             side = "above" if self.rule.above else "below"
             limit = f"{self.rule.effect}.{self.rule.name} {side} {self.rule.threshold:.2g} {self.rule.unit}".strip()

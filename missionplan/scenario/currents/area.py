@@ -144,15 +144,15 @@ def at_columns(
     """
 
     def read(name: str) -> Array:
-        found = files.variable(name)
+        variable = files.variable(name)
         if files.has_times(name):
             values = files.series(name, moments, window, dims).astype(float)
-        elif set(found.dims) == set(dims):
-            order = [str(dim) for dim in found.dims]
+        elif set(variable.dims) == set(dims):
+            order = [str(dim) for dim in variable.dims]
             values = files.fixed(name, window).transpose([order.index(dim) for dim in dims])
         else:
             raise files.problem(
-                f"{name} has the dimensions {', '.join(map(str, found.dims))}; expected {', '.join(dims)}"
+                f"{name} has the dimensions {', '.join(map(str, variable.dims))}; expected {', '.join(dims)}"
             )
         values = values[(..., *picked)]
         return values.reshape(*values.shape[:-2], -1)
@@ -200,9 +200,9 @@ def _deepest(levels: Array, values: NDArray[np.complex64]) -> Array:
 
     The bottom lies between the deepest level with a value and the next one.
     """
-    known: NDArray[np.bool_] = np.any(np.isfinite(values), axis=0)
-    last = levels.size - 1 - np.argmax(known[:, ::-1], axis=1)
+    is_finite: NDArray[np.bool_] = np.any(np.isfinite(values), axis=0)
+    last = levels.size - 1 - np.argmax(is_finite[:, ::-1], axis=1)
     below = levels[np.minimum(last + 1, levels.size - 1)]
     if levels.size == 1 and float(levels[0]) <= SKIN:
-        return np.full(known.shape[0], SKIN)
+        return np.full(is_finite.shape[0], SKIN)
     return np.asarray(np.maximum(good_down_to(levels[last]), below))

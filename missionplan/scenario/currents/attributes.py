@@ -74,10 +74,10 @@ def scale(variable: "DataArray", si: str, expected: str, otherwise: str = "") ->
     units = word(variable, "units") or otherwise
     if not units:
         raise FieldAttributeError(f"{variable.name} has no attribute `units`; expected {expected}")
-    found = factor(units, si)
-    if found is None:
+    unit_factor = factor(units, si)
+    if unit_factor is None:
         raise FieldAttributeError(f"{variable.name} is in {units!r}; expected {expected}")
-    return found
+    return unit_factor
 
 
 def speed_factor(variable: "DataArray", otherwise: str = "") -> float:
@@ -129,11 +129,11 @@ def counts_up(variable: "DataArray", values: Array) -> bool:
         return False
     if standard.startswith(("height", "altitude")):
         return True
-    known = values[np.isfinite(values)]
-    if known.size and known.min() < 0.0 < known.max():
+    numbers = values[np.isfinite(values)]
+    if numbers.size and numbers.min() < 0.0 < numbers.max():
         message = f"{variable.name} has values of both signs; expected an attribute `positive`, up or down"
         raise FieldAttributeError(message)
-    return bool(known.size and known.min() < 0.0)
+    return bool(numbers.size and numbers.min() < 0.0)
 
 
 def is_degrees(variable: "DataArray", east: bool) -> bool | None:
@@ -165,14 +165,14 @@ def clocks_along(dataset: "Dataset", dim: str) -> list[str]:
 
     The axis itself before others, and what its standard name calls the time before what nothing does.
     """
-    found = [
+    clocks = [
         str(name)
         for name, variable in dataset.variables.items()
         if variable.dims == (dim,)
         and is_since(variable.attrs.get("units"))
         and str(variable.attrs.get("standard_name", "time")).strip().lower() == "time"
     ]
-    return [dim] if dim in found else [name for name in found if "standard_name" in dataset[name].attrs] or found
+    return [dim] if dim in clocks else [name for name in clocks if "standard_name" in dataset[name].attrs] or clocks
 
 
 def times_along(variable: "DataArray", dataset: "Dataset") -> NDArray[np.datetime64] | None:
@@ -197,9 +197,9 @@ def valid(variable: "DataArray") -> NDArray[np.floating]:
     """Return values, nan where they are beyond the valid ones; of packed numbers these are packed too (NUG, app. A)."""
     values, said, packed = variable.to_numpy(), variable.attrs, variable.encoding
     written = np.ravel(said.get("valid_range", (said.get("valid_min", -np.inf), said.get("valid_max", np.inf))))
-    low, high = (float(each) for each in written)
+    low, high = (float(bound) for bound in written)
     if written.dtype.kind in "iu" and "scale_factor" in packed:
-        low, high = sorted(packed["scale_factor"] * each + packed.get("add_offset", 0.0) for each in (low, high))
+        low, high = sorted(packed["scale_factor"] * bound + packed.get("add_offset", 0.0) for bound in (low, high))
     if not np.isfinite([low, high]).any() or "_Unsigned" in packed:
         return np.asarray(values)
     slack = 1e-6 * np.abs(values)
@@ -221,8 +221,8 @@ def moments(variable: "DataArray") -> NDArray[np.datetime64]:
     seconds = np.asarray(variable.to_numpy(), dtype=float) * length
     if np.any(np.abs(seconds + zero) > _LONGEST):
         raise FieldAttributeError(f"{variable.name} reaches beyond the years 1678 to 2262")
-    known = np.isfinite(seconds)
-    whole = np.rint(1e3 * np.where(known, seconds, 0.0)) + np.rint(1e3 * (zero - away))
-    found = whole.astype(np.int64).astype("datetime64[ms]").astype("datetime64[ns]")
-    found[~known] = np.datetime64("NaT", "ns")
-    return np.asarray(found)
+    is_finite = np.isfinite(seconds)
+    whole = np.rint(1e3 * np.where(is_finite, seconds, 0.0)) + np.rint(1e3 * (zero - away))
+    times = whole.astype(np.int64).astype("datetime64[ms]").astype("datetime64[ns]")
+    times[~is_finite] = np.datetime64("NaT", "ns")
+    return np.asarray(times)

@@ -114,11 +114,11 @@ class FieldFiles:
 
     def fixed(self, name: str, window: Window | None = None) -> Array:
         """Return the numbers of a variable that does not change; of one that has times, those of the first."""
-        found = self.variable(name)
-        found = found.isel({dim: part for dim, part in (window or {}).items() if dim in found.dims})
-        if found.ndim and self._times_of(found) is not None:
-            found = found.isel({found.dims[0]: 0})
-        return np.asarray(found.to_numpy(), dtype=float)
+        variable = self.variable(name)
+        variable = variable.isel({dim: part for dim, part in (window or {}).items() if dim in variable.dims})
+        if variable.ndim and self._times_of(variable) is not None:
+            variable = variable.isel({variable.dims[0]: 0})
+        return np.asarray(variable.to_numpy(), dtype=float)
 
     def moments(self, name: str) -> Moments:
         """Return the times of a variable, increasing.
@@ -141,18 +141,18 @@ class FieldFiles:
             raise self.problem(f"{name} lacks the time {np.datetime_as_string(missing[0], 's')}, which others have")
         numbers = [places[moment][0] for moment in moments]
         for number in dict.fromkeys(numbers):
-            found = self.datasets[number][name]
+            variable = self.datasets[number][name]
             steps = [places[moment][1] for moment in moments if places[moment][0] == number]
             first, last = min(steps), max(steps)
-            part = {found.dims[0]: slice(first, last + 1)}
-            part |= {dim: kept for dim, kept in window.items() if dim in found.dims}
-            block = valid(found.isel(part).transpose(found.dims[0], *order))
+            part = {variable.dims[0]: slice(first, last + 1)}
+            part |= {dim: kept for dim, kept in window.items() if dim in variable.dims}
+            block = valid(variable.isel(part).transpose(variable.dims[0], *order))
             rows.append(np.asarray(block[np.array(steps) - first], dtype=np.float32))
         return np.concatenate(rows) if len(rows) > 1 else rows[0]
 
     def _places(self, name: str) -> dict[np.datetime64, tuple[int, int]]:
         """By time, the file and the step in it."""
-        found: dict[np.datetime64, tuple[int, int]] = {}
+        places: dict[np.datetime64, tuple[int, int]] = {}
         for number, dataset in enumerate(self.datasets):
             if name not in dataset.variables:
                 continue
@@ -160,10 +160,10 @@ class FieldFiles:
             if times is None:
                 hint = "its attribute `units` has to say since when, such as `hours since 2025-06-01`"
                 raise self.problem("its times are no dates", hint)
-            found |= {moment: (number, step) for step, moment in enumerate(times) if not np.isnat(moment)}
-        if not found:
+            places |= {moment: (number, step) for step, moment in enumerate(times) if not np.isnat(moment)}
+        if not places:
             raise self.problem("has no times")
-        return dict(sorted(found.items()))
+        return dict(sorted(places.items()))
 
     def _times_of(self, variable: "DataArray", dataset: "Dataset | None" = None) -> Moments | None:
         """Return the times along the first dimension of a variable; None where these are no dates."""
@@ -175,10 +175,10 @@ class FieldFiles:
             rows = texts if texts.ndim == 1 else np.array([b"".join(row) for row in texts])
             words = [row.decode() if isinstance(row, bytes) else str(row) for row in rows]
             try:
-                found = [moment_of(each.strip(" \0")).replace(tzinfo=None) for each in words]
+                times = [moment_of(text.strip(" \0")).replace(tzinfo=None) for text in words]
             except (ValueError, OverflowError) as error:
                 raise FieldAttributeError(f"Times: {error}") from None
-            return np.array(found, dtype="datetime64[ns]")
+            return np.array(times, dtype="datetime64[ns]")
         return times_along(variable, dataset)
 
     def height_factor(self, name: str, otherwise: str = "") -> float:
@@ -207,8 +207,8 @@ class FieldFiles:
 
     def has_times(self, name: str) -> bool:
         """Whether a variable changes in time."""
-        found = self.variable(name)
-        return bool(found.ndim) and self._times_of(found) is not None
+        variable = self.variable(name)
+        return bool(variable.ndim) and self._times_of(variable) is not None
 
     def members(self) -> str | None:
         """Return the dimension along which the members of an ensemble lie."""
@@ -263,13 +263,13 @@ def undeclared_fill(u: NDArray[np.floating], v: NDArray[np.floating]) -> float |
     often = count >= _FILLS
     if not often.any():
         return None
-    greatest, common = (float(alike[np.argmax(each)]) for each in (np.abs(alike) * often, count))
-    others = [np.abs(each[np.isfinite(each) & (each != greatest)]) for each in (u, v)]
-    if abs(greatest) >= 1.0 and all(each.size and each.max() < abs(greatest) for each in others):
+    greatest, common = (float(alike[np.argmax(weights)]) for weights in (np.abs(alike) * often, count))
+    others = [np.abs(component[np.isfinite(component) & (component != greatest)]) for component in (u, v)]
+    if abs(greatest) >= 1.0 and all(values.size and values.max() < abs(greatest) for values in others):
         return greatest
     digits = f"{abs(common):.6g}".lstrip("0.").replace(".", "")
     is_nines = set(digits) == {"9"} and (len(digits) > 1 or abs(common) >= 1.0)
-    return common if is_nines and count.max() > 0.5 * count.sum() and all(each.size for each in others) else None
+    return common if is_nines and count.max() > 0.5 * count.sum() and all(values.size for values in others) else None
 
 
 def velocities(
@@ -287,9 +287,9 @@ def velocities(
     for number, (name, values) in enumerate(zip(names, parts, strict=True)):
         part = values * np.float32(files.component(name, number))
         scaled.append(part)
-        known = part[np.isfinite(part)]
-        if known.size and float(np.abs(known).max()) > fastest:
-            worst = float(known[np.argmax(np.abs(known))])
+        speeds = part[np.isfinite(part)]
+        if speeds.size and float(np.abs(speeds).max()) > fastest:
+            worst = float(speeds[np.argmax(np.abs(speeds))])
             raise files.problem(
                 f"{name} reaches {worst:.6g} m/s; no {files.carries.name} is faster than {fastest:g} m/s", hint
             )

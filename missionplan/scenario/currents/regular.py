@@ -75,7 +75,7 @@ def _axes(
     here = np.full_like
     _, north = to_plane(latitude[near[0]], here(latitude[near[0]], origin.longitude), origin)
     east, _ = to_plane(here(beside[near[1]], origin.latitude), origin.longitude + beside[near[1]], origin)
-    found, window, picked = [], {}, []
+    coordinates, window, picked = [], {}, []
     for number, (axis, index, name) in enumerate(((north, near[0], names[0]), (east, near[1], names[1]))):
         order = np.unique(axis, return_index=True)[1]
         first, last = np.searchsorted(axis[order], (low[1 - number], high[1 - number]))
@@ -83,9 +83,9 @@ def _axes(
         kept = kept if kept.size else order[-1:]
         start = int(index[kept].min())
         window[str(files.variable(name).dims[0])] = slice(start, int(index[kept].max()) + 1)
-        found.append(axis[kept])
+        coordinates.append(axis[kept])
         picked.append(index[kept] - start)
-    return found[0], found[1], window, (picked[0][:, None], picked[1][None, :])
+    return coordinates[0], coordinates[1], window, (picked[0][:, None], picked[1][None, :])
 
 
 def _near(offset: Array, reach: float) -> Indices:
@@ -161,9 +161,9 @@ def read_curved(files: FieldFiles, area: Area) -> GriddedCurrent:
 
 def _check_one_place(files: FieldFiles, longitude: str, names: tuple[str, str]) -> None:
     """Refuse velocities at other places in a file each, as NEMO's grids U and V are."""
-    found = [next(each for each in files.datasets if name in each.variables) for name in names]
-    if found[0] is not found[1] and all(longitude in each.variables for each in found):
-        first, second = (each[longitude].to_numpy() for each in found)
+    datasets = [next(dataset for dataset in files.datasets if name in dataset.variables) for name in names]
+    if datasets[0] is not datasets[1] and all(longitude in dataset.variables for dataset in datasets):
+        first, second = (dataset[longitude].to_numpy() for dataset in datasets)
         if first.shape != second.shape or not np.allclose(first, second, atol=_SAME, equal_nan=True):
             message = f"{names[0]} and {names[1]} are at other places: {longitude} is another"
             raise files.problem(message, TO_THE_MIDDLES)
@@ -174,11 +174,11 @@ def _part(files: FieldFiles, area: Area, u: str, *, staggered: bool) -> _Part:
     x, y = (files.fixed(name) for name in names)
     if x.ndim != 2 or x.shape != y.shape:
         raise files.problem(f"{names[0]} and {names[1]} are not two-dimensional and of one shape")
-    known = np.isfinite(x) & np.isfinite(y)
-    points, _ = area.placed(files, names, np.where(known, x, 0.0), np.where(known, y, 0.0))
-    rows, columns = window_of(area.holds(points) & known, files, 2)
+    is_finite = np.isfinite(x) & np.isfinite(y)
+    points, _ = area.placed(files, names, np.where(is_finite, x, 0.0), np.where(is_finite, y, 0.0))
+    rows, columns = window_of(area.holds(points) & is_finite, files, 2)
     dims = tuple(str(dim) for dim in files.variable(names[0]).dims)
-    if not known[rows, columns].all():
+    if not is_finite[rows, columns].all():
         raise files.problem(f"{names[0]} or {names[1]} has gaps near the mission")
     rows, columns = slice(rows.start, min(rows.stop, x.shape[0])), slice(columns.start, min(columns.stop, x.shape[1]))
     if min(rows.stop - rows.start, columns.stop - columns.start) < 2 + 2 * staggered:
@@ -193,10 +193,10 @@ def _coordinates(files: FieldFiles, u: str, *, staggered: bool) -> tuple[str, st
         return files.required("the longitude of its nodes", where[0]), files.required("the latitude", where[1])
     said = [name for name in files.variable(u).encoding.get("coordinates", "").split() if files.named(name)]
     usual = {"longitude": (*LONGITUDE, "nav_lon", "x"), "latitude": (*LATITUDE, "nav_lat", "y")}
-    own = [[name for name in said if standard_name(files.variable(name)) == kind][:1] for kind in usual]
+    names = [[name for name in said if standard_name(files.variable(name)) == kind][:1] for kind in usual]
     first, second = (
         files.required(f"the {kind}", *its, *usual[kind], standard=(kind,))
-        for kind, its in zip(usual, own, strict=True)
+        for kind, its in zip(usual, names, strict=True)
     )
     return first, second
 

@@ -61,13 +61,13 @@ class Mesh:
     @property
     def triangles(self) -> tuple[Indices, Indices]:
         """Triangles of which the faces consist, four-sided ones of two, and the face of each."""
-        found, owners = [], []
+        triangles, owners = [], []
         for corner in range(1, self.faces.shape[1] - 1):
             triangle = self.faces[:, [0, corner, corner + 1]]
             whole = np.flatnonzero((triangle >= 0).all(axis=1))
-            found.append(triangle[whole])
+            triangles.append(triangle[whole])
             owners.append(whole)
-        return np.concatenate(found), np.concatenate(owners)
+        return np.concatenate(triangles), np.concatenate(owners)
 
     @property
     def beside(self) -> Indices:
@@ -81,10 +81,10 @@ class Mesh:
         order = np.lexsort((pairs[:, 0], pairs[:, 1]))
         same = np.all(pairs[order][1:] == pairs[order][:-1], axis=1)
         first, second = order[:-1][same], order[1:][same]
-        found = np.full((sides, count), -1)
-        found[side[first], owner[first]] = owner[second]
-        found[side[second], owner[second]] = owner[first]
-        return found
+        neighbours = np.full((sides, count), -1)
+        neighbours[side[first], owner[first]] = owner[second]
+        neighbours[side[second], owner[second]] = owner[first]
+        return neighbours
 
     def at_nodes(self) -> Grid:
         """Grid of values at the nodes."""
@@ -242,9 +242,9 @@ def read_ugrid(files: FieldFiles, area: Area) -> GriddedCurrent:
 def _faces(files: FieldFiles, name: str) -> Indices:
     """Nodes of each face, counted from 0, -1 where it has fewer than others."""
     first = int(files.variable(name).attrs.get("start_index", 0))
-    found = files.fixed(name)
-    kept = np.isfinite(found) & (found >= first) & (found < 1e9)
-    return np.where(kept, np.nan_to_num(found) - first, -1).astype(np.intp)
+    nodes = files.fixed(name)
+    kept = np.isfinite(nodes) & (nodes >= first) & (nodes < 1e9)
+    return np.where(kept, np.nan_to_num(nodes) - first, -1).astype(np.intp)
 
 
 def _dried(
@@ -291,10 +291,10 @@ def _ugrid_levels(
 def _gapless(depth: Array) -> Array:
     """Levels below the bottom, which have no depth, at the depth of the one beside them."""
     count = depth.shape[2]
-    known = np.isfinite(depth)
-    if known.all():
+    is_finite = np.isfinite(depth)
+    if is_finite.all():
         return depth
-    steps = np.where(known, np.arange(count), count)
+    steps = np.where(is_finite, np.arange(count), count)
     first = np.minimum.accumulate(steps[:, :, ::-1], axis=2)[:, :, ::-1]
     filled = np.take_along_axis(depth, np.minimum(first, count - 1), axis=2)
     return np.nan_to_num(filled)

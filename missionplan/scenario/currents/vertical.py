@@ -106,14 +106,14 @@ def level_depths(files: FieldFiles, along: str, at: At, times: int) -> tuple[Arr
 
 def _axis(files: FieldFiles, along: str) -> str | None:
     """Name of the vertical axis of a dimension: the coordinate itself if its attributes say so, else one that does."""
-    found = [
+    names = [
         str(name)
         for dataset in files.datasets
         for name in (along, *dataset.variables)
         if name in dataset.variables and dataset[name].dims == (along,) and is_vertical(dataset[name])
     ]
-    if found:
-        return found[0]
+    if names:
+        return names[0]
     return along if files.named(along) else files.named("depth", "Depth", "lev", "z")
 
 
@@ -139,16 +139,16 @@ def _written_terms(files: FieldFiles, name: str) -> dict[str, str]:
 def _lacks(files: FieldFiles, name: str) -> bool:
     """Whether terms of a formula are not in the file, as in those that were cut from ROMS's."""
     written = _written_terms(files, name)
-    return not written or any(files.named(each) is None for each in written.values())
+    return not written or any(files.named(variable) is None for variable in written.values())
 
 
 def _by_formula(files: FieldFiles, name: str) -> tuple[str, dict[str, Array], tuple[str, str | None]]:
     """Kind and terms of a coordinate, and the names of the depth of the bottom and of the surface's height."""
     kind, written = word(files.variable(name), "standard_name").lower(), _written_terms(files, name)
     if kind not in PARAMETRIC:
-        found = kind or "coordinate without standard_name"
-        raise FieldAttributeError(f"{name} is a {found}, which cannot be computed; expected {', '.join(PARAMETRIC)}")
-    absent = [each for each in written.values() if files.named(each) is None]
+        words = kind or "coordinate without standard_name"
+        raise FieldAttributeError(f"{name} is a {words}, which cannot be computed; expected {', '.join(PARAMETRIC)}")
+    absent = [variable for variable in written.values() if files.named(variable) is None]
     if absent:
         raise FieldAttributeError(f"the formula_terms of {name} name {absent[0]}, which the file lacks")
     if not written:  # the axis itself is the first term, and standard names tell the other two
@@ -189,11 +189,11 @@ def _checked(files: FieldFiles, terms: dict[str, Array]) -> dict[str, Array]:
     Raises InputError when they do not lie between the bottom and the surface, or neither rise nor fall.
     """
     levels = [terms[name] for name in ("sigma", "s", "C") if name in terms]
-    if any(each.ndim != 1 or each.size != levels[0].size for each in levels):
+    if any(term.ndim != 1 or term.size != levels[0].size for term in levels):
         raise files.problem("its s-coordinate and the stretching of it are not one number a layer")
-    if any(not np.all((each >= -1.0) & (each <= 0.0)) for each in levels):
+    if any(not np.all((term >= -1.0) & (term <= 0.0)) for term in levels):
         raise files.problem("its s-coordinate and the stretching of it do not lie between -1 and 0")
-    if any(not (np.all(np.diff(each) > 0.0) or np.all(np.diff(each) < 0.0)) for each in levels):
+    if any(not (np.all(np.diff(term) > 0.0) or np.all(np.diff(term) < 0.0)) for term in levels):
         raise files.problem("its s-coordinate neither rises nor falls")
     return terms
 

@@ -95,9 +95,9 @@ def size_anchor(
 
 def _judged(dives: AnchorTrials, weight: float) -> Outcome | None:
     """Simulate the whole mission with an anchor of a wet weight [N], on fresh draws."""
-    given = _with_anchor(dives, weight)
+    values = _with_anchor(dives, weight)
     jobs = dives.workers.jobs
-    return judged(dives.mission, given, trials=dives.trials, seed=dives.seed, jobs=jobs, assumptions=False)
+    return judged(dives.mission, values, trials=dives.trials, seed=dives.seed, jobs=jobs, assumptions=False)
 
 
 def _with_anchor(dives: AnchorTrials, weight: float) -> dict[str, object]:
@@ -135,16 +135,16 @@ def _explained(
     """Dive with the anchor to build under each explanation, and seek the lightest that would do for it alone."""
     weight, line = sizing.to_build.wet_weight, sizing.line_length
     for causes, probability, alone in run.under_explanations():
-        known = replace(dives, mission=alone.mission)
-        needed = lightest_anchor(known.probabilities, demands, worst_case, line).weight if demands else None
-        yield ExplainedAnchor(causes, probability, known.probabilities(weight).good, needed)
+        explained_dives = replace(dives, mission=alone.mission)
+        needed = lightest_anchor(explained_dives.probabilities, demands, worst_case, line).weight if demands else None
+        yield ExplainedAnchor(causes, probability, explained_dives.probabilities(weight).good, needed)
 
 
 def _members(sizing: AnchorSizing, dives: AnchorTrials, run: Run) -> Iterator[MemberOutcome]:
     """Dive with the anchor to build in each member of the current's ensemble."""
     for name, probability, sailed, alone in run.in_members(dives.recorded):
-        given = replace(dives, recorded=sailed, trials=alone.trials)
-        yield MemberOutcome(name, probability, given.probabilities(sizing.to_build.wet_weight).good)
+        member_dives = replace(dives, recorded=sailed, trials=alone.trials)
+        yield MemberOutcome(name, probability, member_dives.probabilities(sizing.to_build.wet_weight).good)
 
 
 def _check_probability(probability: float | None) -> None:
@@ -165,7 +165,7 @@ def _anchor_sizing(
     sizing = AnchorSizing(
         provenance=provenance,
         phase=sizer.moor.name,
-        others=tuple(each.name for each in sizer.means.drawn.moors if each.name != sizer.moor.name),
+        others=tuple(moor.name for moor in sizer.means.drawn.moors if moor.name != sizer.moor.name),
         radius=sizer.radius,
         depth=float(sizer.means.mooring.depth),
         line_length=sizer.line_length,
@@ -206,17 +206,17 @@ def trim_states(means: Scenario, weight: float, design: AnchorDesign | None) -> 
     wet weight is taken at mid-length.
     """
     hull = means.mooring.vehicle
-    known, own = hull.centres is not None, float(means.mooring.mass) * STANDARD_GRAVITY
+    has_centres, vehicle_weight = hull.centres is not None, float(means.mooring.mass) * STANDARD_GRAVITY
     middle = Centre[Scalars].model_construct(from_nose=0.5 * float(hull.hull.length), below_axis=0.0)
     gravity, displaced = hull.centres or (middle, middle)
-    vehicle = Weight(own, float(gravity.from_nose), float(gravity.below_axis))
-    carried = own + float(hull.net_buoyancy)
+    vehicle = Weight(vehicle_weight, float(gravity.from_nose), float(gravity.below_axis))
+    carried = vehicle_weight + float(hull.net_buoyancy)
     buoyancy = Weight(carried, float(displaced.from_nose), float(displaced.below_axis))
     length = float(anchor_length(means, weight))
     from_tip = wet_centre(design) if design is not None else 0.5 * length
     flooded = Weight(weight, from_tip - (length - overlap_height(means)), 0.0)
     return (
-        trim("with the sealed anchor", (vehicle,), buoyancy, centres_known=known),
-        trim("with the anchor flooded", (vehicle, flooded), buoyancy, centres_known=known),
-        trim("released, without the anchor", (vehicle,), buoyancy, centres_known=known),
+        trim("with the sealed anchor", (vehicle,), buoyancy, centres_known=has_centres),
+        trim("with the anchor flooded", (vehicle, flooded), buoyancy, centres_known=has_centres),
+        trim("released, without the anchor", (vehicle,), buoyancy, centres_known=has_centres),
     )

@@ -42,9 +42,9 @@ class Demand:
     is_hill: bool = False
     """Whether the share may rise with the weight and then fall; else it does one of both."""
 
-    def slack(self, found: DiveProbabilities) -> float:
+    def slack(self, odds: DiveProbabilities) -> float:
         """Share of the dives less that required."""
-        return self.share(found) - self.required
+        return self.share(odds) - self.required
 
 
 @dataclass(frozen=True)
@@ -85,13 +85,13 @@ def lightest_anchor(
     if weight is not None:
         return LightestAnchor(weight, weight)
     compromise = tried.compromise()
-    found = LightestAnchor(None, compromise, tried.why_none(compromise))
+    lightest = LightestAnchor(None, compromise, tried.why_none(compromise))
     if not tried.could_do_with_height():
-        return found
+        return lightest
     line, weight = _shortest_line(rough or probabilities, demands, start, line_length)
     if line is None:
-        return replace(found, reason=f"{found.reason}; no line up to {MAX_LINE_RATIO:g} times as long helps")
-    return replace(found, line_length=line, line_weight=weight)
+        return replace(lightest, reason=f"{lightest.reason}; no line up to {MAX_LINE_RATIO:g} times as long helps")
+    return replace(lightest, line_length=line, line_weight=weight)
 
 
 @dataclass
@@ -115,8 +115,8 @@ class _Tried:
         grid = np.geomspace(start / MAX_WEIGHT_RATIO, start * MAX_WEIGHT_RATIO, _STEPS + 1).tolist()
         while grid[0] > start / _LIGHTEST_RATIO and self._lighter_may_do(grid):
             grid.insert(0, 0.5 * grid[0])
-        found = (self._within(light, heavy) for light, heavy in itertools.pairwise(grid))
-        return next((weight for weight in found if weight is not None), None)
+        weights = (self._within(light, heavy) for light, heavy in itertools.pairwise(grid))
+        return next((weight for weight in weights if weight is not None), None)
 
     def _lighter_may_do(self, grid: Sequence[float]) -> bool:
         """Whether one below the lightest may be wanted: it meets all, or no heavier one misses less of what it misses.
@@ -134,8 +134,8 @@ class _Tried:
         grid = np.geomspace(weight / _NEAR, weight * _NEAR, 7).tolist()
         if min(self.slacks(grid[0])) >= 0.0:
             return None
-        found = (self._within(light, heavy) for light, heavy in itertools.pairwise(grid))
-        return next((weight for weight in found if weight is not None), None)
+        weights = (self._within(light, heavy) for light, heavy in itertools.pairwise(grid))
+        return next((weight for weight in weights if weight is not None), None)
 
     def _within(self, light: float, heavy: float) -> float | None:
         below, above = self.slacks(light), self.slacks(heavy)
@@ -167,8 +167,8 @@ class _Tried:
     def could_do_with_height(self) -> bool:
         """Whether dives are too low, or strike where they would otherwise do what is asked."""
         too_low = (
-            item.required - found.struck.value <= item.share(found) < item.required
-            for found in self.known.values()
+            item.required - odds.struck.value <= item.share(odds) < item.required
+            for odds in self.known.values()
             for item in self.demands
         )
         return any(item.needs_height for item in self.demands) or any(too_low)
@@ -195,15 +195,15 @@ class _Tried:
         return f"{words}. The best compromise, {compromise:.3g} N: {shares}"
 
     def _at_best(self, demand: Demand) -> str:
-        weight, found = max(self.known.items(), key=lambda item: (demand.share(item[1]), -item[0]))
-        words = f"{demand.words} in {100.0 * demand.share(found):.1f} % of dives at best, with {weight:.3g} N"
-        if found.within.value < demand.required:
-            words += f"; {100.0 * found.within.value:.1f} % come down within the radius: drift before the line is taut"
+        weight, odds = max(self.known.items(), key=lambda item: (demand.share(item[1]), -item[0]))
+        words = f"{demand.words} in {100.0 * demand.share(odds):.1f} % of dives at best, with {weight:.3g} N"
+        if odds.within.value < demand.required:
+            words += f"; {100.0 * odds.within.value:.1f} % come down within the radius: drift before the line is taut"
         return words
 
 
 def _shortest_line(
-    probabilities: ProbabilitiesOf, demands: Sequence[Demand], start: float, given: float
+    probabilities: ProbabilitiesOf, demands: Sequence[Demand], start: float, line_length: float
 ) -> tuple[float | None, float | None]:
     """Shortest line with which an anchor meets all demands, and its wet weight; None where none does."""
     weights: dict[float, float | None] = {}
@@ -212,10 +212,10 @@ def _shortest_line(
         weights[length] = _Tried(probabilities, demands, length, _LINE_RESOLUTION).lightest(start)
         return weights[length] is not None
 
-    length = given
+    length = line_length
     while not is_enough(length):
         length *= 1.5
-        if length > given * MAX_LINE_RATIO:
+        if length > line_length * MAX_LINE_RATIO:
             return None, None
     low = length / 1.5
     while length > low * _LINE_RESOLUTION:  # the logarithm is halved (Press et al. 2007, sect. 9.1)

@@ -157,10 +157,10 @@ class AnchorSizer:
     def vector_velocity(self) -> float | None:
         """The same with the layers' own directions; None where the design current has none [m/s]."""
         speeds, thicknesses = design_current(self.means, self.moor)
-        given = self.means.mooring.site.current
-        if not isinstance(given, tuple) or not given:
+        current = self.means.mooring.site.current
+        if not isinstance(current, tuple) or not current:
             return None
-        toward = np.array([float(layer.toward) for layer in given])
+        toward = np.array([float(layer.toward) for layer in current])
         return float(required_terminal_velocity_vector(speeds, toward, thicknesses, self.radius))
 
     @property
@@ -209,20 +209,20 @@ class AnchorSizer:
         """
         must = [item.probability for item in self.trials.mission.requirements if item.quantity == "total.success"]
         shares = [*([] if probability is None else [probability]), *must]
-        found = list(_succeeding(max(shares), holds=self.trials.counts_holding)) if shares else []
+        demands = list(_succeeding(max(shares), holds=self.trials.counts_holding)) if shares else []
         for index, item in enumerate(self.trials.requirements):
-            found.append(
+            demands.append(
                 Demand(
                     self._in_words(item),
                     item.probability,
-                    lambda found, index=index: found.requirements[index].probability.value,  # type: ignore[misc]
+                    lambda odds, index=index: odds.requirements[index].probability.value,  # type: ignore[misc]
                     needs_height=item.quantity.endswith(".lowest_altitude"),
                 )
             )
         inside = [item.probability for item in self.trials.requirements if item.quantity.endswith(_INSIDE)]
         if inside:
-            found.append(Demand("a dive clear of the seafloor", max(inside), _clear, needs_height=True))
-        return tuple(found)
+            demands.append(Demand("a dive clear of the seafloor", max(inside), _clear, needs_height=True))
+        return tuple(demands)
 
     def probable(self, probability: float | None, worst_case: float) -> ProbableAnchor | None:
         """Lightest anchor that meets all demands, searched from the worst-case weight [N]; None without any."""
@@ -231,33 +231,33 @@ class AnchorSizer:
             return None
         start = worst_case + max(float(self.means.mooring.vehicle.net_buoyancy), 0.0)
         rough = replace(self.trials, trials=FEW).probabilities if self.trials.trials > FEW else None
-        found = lightest_anchor(self.trials.probabilities, demands, start, self.line_length, rough)
-        anchor = self.sized(found.weight) if found.weight is not None else None
+        lightest = lightest_anchor(self.trials.probabilities, demands, start, self.line_length, rough)
+        anchor = self.sized(lightest.weight) if lightest.weight is not None else None
         heavier = self._buildable(anchor, demands) if anchor is not None else None
         chosen = heavier or anchor
-        best = self.trials.probabilities(found.compromise) if chosen is None else chosen.probabilities
+        best = self.trials.probabilities(lightest.compromise) if chosen is None else chosen.probabilities
         return ProbableAnchor(
             required=probability,
             anchor=chosen,
-            reason=found.reason,
-            compromise=found.compromise,
+            reason=lightest.reason,
+            compromise=lightest.compromise,
             best=best.good.value,
             margins=tuple(self._deviations(chosen.wet_weight, demands)) if chosen is not None else (),
-            line_length=found.line_length,
-            line_anchor_weight=found.line_weight,
-            lighter=found.weight if heavier is not None else None,
+            line_length=lightest.line_length,
+            line_anchor_weight=lightest.line_weight,
+            lighter=lightest.weight if heavier is not None else None,
         )
 
     def _deviations(self, weight: float, demands: Sequence[Demand]) -> Iterator[Deviation]:
         """Yield anchors that turned out lighter and heavier, and what their dives then miss."""
         for factor in (1.0 - MARGIN, 1.0 + MARGIN):
-            found = self.trials.probabilities(factor * weight)
+            odds = self.trials.probabilities(factor * weight)
             misses = tuple(
-                f"{demand.words}: {100.0 * demand.share(found):.1f} % of {100.0 * demand.required:g} %"
+                f"{demand.words}: {100.0 * demand.share(odds):.1f} % of {100.0 * demand.required:g} %"
                 for demand in demands
-                if demand.slack(found) < 0.0
+                if demand.slack(odds) < 0.0
             )
-            yield Deviation(factor * weight, found, misses)
+            yield Deviation(factor * weight, odds, misses)
 
     def _buildable(self, anchor: SizedAnchor, demands: Sequence[Demand]) -> SizedAnchor | None:
         """Lightest heavier anchor that the parts can make, if that one is impossible and this one does too."""
@@ -305,14 +305,14 @@ class AnchorSizer:
         return f"{requirement.quantity} {side.replace('_', ' ')} {limit:.4g} {unit or ''}".rstrip()
 
 
-def _clear(found: DiveProbabilities) -> float:
-    return 1.0 - found.struck.value
+def _clear(odds: DiveProbabilities) -> float:
+    return 1.0 - odds.struck.value
 
 
 def _succeeding(required: float, *, holds: bool) -> Iterator[Demand]:
     """Yield a dive that succeeds, and what every such dive does: of that the shares rise or fall with the weight."""
-    yield Demand("an anchor within the radius", required, lambda found: found.within.value)
+    yield Demand("an anchor within the radius", required, lambda odds: odds.within.value)
     yield Demand("a dive clear of the seafloor", required, _clear, needs_height=True)
     if holds:
-        yield Demand("an anchor that holds", required, lambda found: found.holds.value if found.holds else 1.0)
-    yield Demand("a dive that succeeds", required, lambda found: found.good.value, is_hill=True)
+        yield Demand("an anchor that holds", required, lambda odds: odds.holds.value if odds.holds else 1.0)
+    yield Demand("a dive that succeeds", required, lambda odds: odds.good.value, is_hill=True)

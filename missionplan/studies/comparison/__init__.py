@@ -53,24 +53,24 @@ def compare_missions(
     """
     began = time.perf_counter()
     sources = _sources(alternatives, allow_outside=allow_outside)
-    compared = check_kinds([(each.path, each.summary) for each in sources])
-    entries, found = _entries(sources, trials, seed, jobs, progress)
-    aim = aim_of([each.summary for each in sources])
+    compared = check_kinds([(source.path, source.summary) for source in sources])
+    entries, runs = _entries(sources, trials, seed, jobs, progress)
+    aim = aim_of([source.summary for source in sources])
     best = min(range(len(entries)), key=lambda index: _rank(entries[index], aim))
-    columns = [run.columns if run is not None else {} for run in found]
-    own = sources[best].mission
+    columns = [run.columns if run is not None else {} for run in runs]
+    mission = sources[best].mission
     return Alternatives(
         provenance=Provenance(
             command="compare",
-            mission=" and ".join(each.name for each in sources),
-            file=" ".join(str(each.path) for each in sources),
+            mission=" and ".join(source.name for source in sources),
+            file=" ".join(str(source.path) for source in sources),
             seed=entries[best].seed,
             trials=entries[best].trials,
             options={"jobs": jobs},
             elapsed_s=time.perf_counter() - began,
-            data={each.name: each.data for each in sources},
-            inputs={each.name: each.identified for each in sources},
-            holds=coverage_of({each.name: each.mission or each.summary for each in sources}),
+            data={source.name: source.data for source in sources},
+            inputs={source.name: source.identified for source in sources},
+            holds=coverage_of({source.name: source.mission or source.summary for source in sources}),
         ),
         alternatives=tuple(
             entry if index == best else replace(entry, contrasts=_contrasts(entries, columns, index, best))
@@ -79,8 +79,8 @@ def compare_missions(
         best=best,
         compared=compared,
         aim=aim,
-        differing=differing_values([each.data for each in sources]),
-        assumptions=() if own is None else judgement.ledger(own, entries[best].seed),
+        differing=differing_values([source.data for source in sources]),
+        assumptions=() if mission is None else judgement.ledger(mission, entries[best].seed),
     )
 
 
@@ -88,7 +88,7 @@ def _entries(
     sources: Sequence["_Source"], trials: int | None, seed: int | None, jobs: int, progress: Progress | None
 ) -> tuple[list[Alternative], list[CellTrials | None]]:
     """Run the missions and read the reports; returns the trials of the missions besides."""
-    missions = [each.mission for each in sources if each.mission is not None]
+    missions = [source.mission for source in sources if source.mission is not None]
     ran: list[CellTrials] = []
     if missions:
         check_arguments(missions[0], trials=trials, seed=seed, jobs=jobs)
@@ -96,14 +96,14 @@ def _entries(
         seed = missions[0].monte_carlo.seed if seed is None else seed
         ran = _run(missions, trials, seed, Workers(jobs, progress=progress))
     runs = iter(ran)
-    found = [next(runs) if each.mission is not None else None for each in sources]
+    source_runs = [next(runs) if source.mission is not None else None for source in sources]
     entries = [
-        _of_mission(each.name, each.path, each.mission, run, seed or 0)
-        if each.mission is not None and run is not None
-        else reported_alternative(each.name, each.path, each.summary)
-        for each, run in zip(sources, found, strict=True)
+        _of_mission(source.name, source.path, source.mission, run, seed or 0)
+        if source.mission is not None and run is not None
+        else reported_alternative(source.name, source.path, source.summary)
+        for source, run in zip(sources, source_runs, strict=True)
     ]
-    return entries, found
+    return entries, source_runs
 
 
 def _run(missions: Sequence[Mission], trials: int, seed: int, workers: Workers) -> list[CellTrials]:
@@ -111,7 +111,7 @@ def _run(missions: Sequence[Mission], trials: int, seed: int, workers: Workers) 
     task = MissionTask(missions, [SharedCurrent.of(mission) for mission in missions], seed, (DURATION, ENERGY))
     items = [(number, *block) for number in range(len(missions)) for block in sized_blocks(trials)]
     ran = cell_trials(task, items, range(len(missions)), workers)
-    if problems := [Problem(each.reason, own.file) for own, each in zip(missions, ran, strict=True) if each.reason]:
+    if problems := [Problem(run.reason, case.file) for case, run in zip(missions, ran, strict=True) if run.reason]:
         raise InputError(problems)
     return ran
 
@@ -139,19 +139,19 @@ class _Source:
 def _sources(alternatives: Sequence[MissionOrPath], *, allow_outside: bool) -> list[_Source]:
     """Read missions and summaries; raises InputError when there are fewer than two, or one is neither."""
     paths: list[Path] = []
-    for number, each in enumerate(alternatives, start=1):  # a mission that is given as such has its name for a path
-        name = as_path((each.name or f"mission {number}") if isinstance(each, Mission) else each, "alternatives")
-        paths.append(Path(f"{name} {number}") if isinstance(each, Mission) and name in paths else name)
+    for number, case in enumerate(alternatives, start=1):  # a mission that is given as such has its name for a path
+        name = as_path((case.name or f"mission {number}") if isinstance(case, Mission) else case, "alternatives")
+        paths.append(Path(f"{name} {number}") if isinstance(case, Mission) and name in paths else name)
     if len(paths) < 2:
         raise InputError([Problem(f"given {len(paths)}, expected two or more missions or reports", key="alternatives")])
-    found = []
-    for named, path, each in zip(_names(paths), paths, alternatives, strict=True):
-        if not isinstance(each, Mission) and is_folder(path):
-            found.append(_Source(named, path, None, read_summary(path)))
+    sources = []
+    for named, path, case in zip(_names(paths), paths, alternatives, strict=True):
+        if not isinstance(case, Mission) and is_folder(path):
+            sources.append(_Source(named, path, None, read_summary(path)))
         else:
-            mission = each if isinstance(each, Mission) else load(path, allow_outside=allow_outside)
-            found.append(_Source(named, path, mission, {}))
-    return found
+            mission = case if isinstance(case, Mission) else load(path, allow_outside=allow_outside)
+            sources.append(_Source(named, path, mission, {}))
+    return sources
 
 
 def _names(paths: Sequence[Path]) -> list[str]:
@@ -163,8 +163,8 @@ def _names(paths: Sequence[Path]) -> list[str]:
     return whole if len(set(whole)) == len(whole) else [f"{name} ({i + 1})" for i, name in enumerate(whole)]
 
 
-def _of_mission(name: str, path: Path, mission: Mission, found: CellTrials, seed: int) -> Alternative:
-    cell = cell_of((), mission, found.columns, "")
+def _of_mission(name: str, path: Path, mission: Mission, run: CellTrials, seed: int) -> Alternative:
+    cell = cell_of((), mission, run.columns, "")
     if cell.reason:
         raise InputError([Problem(cell.reason, str(path))])
     quantities: dict[str, Estimate] = {
@@ -175,12 +175,12 @@ def _of_mission(name: str, path: Path, mission: Mission, found: CellTrials, seed
     return Alternative(name, str(path), cell.success, quantities, cell.requirements, cell.trials, seed, {})
 
 
-def _rank(each: Alternative, aim: Aim) -> tuple[bool, int, float, float]:
+def _rank(case: Alternative, aim: Aim) -> tuple[bool, int, float, float]:
     """Order alternatives, the best first; last those of which nothing is known."""
-    energy, first = (each.quantities.get(key, (np.inf, 0.0))[0] for key in ("energy_wh", DECIDES[aim]))
-    known = np.isfinite(each.success.value)
-    first = -each.success.value if aim == "success" and known else first
-    return not known, len(each.missed), first, energy if np.isfinite(energy) else np.inf
+    energy, first = (case.quantities.get(key, (np.inf, 0.0))[0] for key in ("energy_wh", DECIDES[aim]))
+    is_finite = np.isfinite(case.success.value)
+    first = -case.success.value if aim == "success" and is_finite else first
+    return not is_finite, len(case.missed), first, energy if np.isfinite(energy) else np.inf
 
 
 def _contrasts(
@@ -188,28 +188,28 @@ def _contrasts(
 ) -> dict[str, Contrast]:
     """Compare an alternative with the best: in pairs where both were run here, else as independent runs."""
     level = LEVEL / (len(entries) - 1)
-    found = {}
+    contrasts = {}
     for key, column in _COLUMNS.items():
         one, two = _number(entries[best], key), _number(entries[index], key)
         if one is None or two is None:
             continue
         if column in columns[best] and column in columns[index]:
-            own, other = columns[index][column], columns[best][column]
-            mean, error, up = paired_difference(own, other, most=True)
-            down = paired_difference(own, other, most=False)[2]
-            found[key] = Contrast(mean, error, 2.0 * min(up, down) < level, paired=True)
+            values, other = columns[index][column], columns[best][column]
+            mean, error, up = paired_difference(values, other, most=True)
+            down = paired_difference(values, other, most=False)[2]
+            contrasts[key] = Contrast(mean, error, 2.0 * min(up, down) < level, paired=True)
         else:
             spread, p_value = standard_error_and_p_value(one, two, (entries[best].trials, entries[index].trials))
             differs = p_value is not None and p_value < level
-            found[key] = Contrast(two.value - one.value, spread or 0.0, differs, paired=False)
-    return found
+            contrasts[key] = Contrast(two.value - one.value, spread or 0.0, differs, paired=False)
+    return contrasts
 
 
-def _number(each: Alternative, key: str) -> SummaryNumber | None:
+def _number(case: Alternative, key: str) -> SummaryNumber | None:
     if key == "success":
-        known = np.isfinite(each.success.value)
-        return SummaryNumber("probability", each.success.value, float("nan")) if known else None
-    return SummaryNumber("mean", *each.quantities[key]) if key in each.quantities else None
+        is_finite = np.isfinite(case.success.value)
+        return SummaryNumber("probability", case.success.value, float("nan")) if is_finite else None
+    return SummaryNumber("mean", *case.quantities[key]) if key in case.quantities else None
 
 
 def compare(
@@ -241,8 +241,8 @@ def compare(
     InputError
         When something is neither a mission nor a report, a mission cannot be run, or the reports cannot be compared.
     """
-    if len(compared) == 2 and not any(_is_mission(each) for each in compared):
-        first, second = (as_path(each, "compared") for each in compared if not isinstance(each, Mission))
+    if len(compared) == 2 and not any(_is_mission(case) for case in compared):
+        first, second = (as_path(case, "compared") for case in compared if not isinstance(case, Mission))
         if {read_summary(folder)["command"] for folder in (first, second)}.isdisjoint(CHOOSING):
             return compare_reports(first, second)
     return compare_missions(
@@ -250,8 +250,8 @@ def compare(
     )
 
 
-def _is_mission(given: MissionOrPath) -> bool:
-    if isinstance(given, Mission):
+def _is_mission(case: MissionOrPath) -> bool:
+    if isinstance(case, Mission):
         return True
-    path = Path(given)
+    path = Path(case)
     return path.suffix in (".yaml", ".yml") or (path.exists() and not is_folder(path))

@@ -57,7 +57,7 @@ def name_of(comparison: Comparison, difference: ComparedNumber) -> str:
         words = _OF_SWEEP.get((which, difference.key), "") or in_words(difference.key)
         if which == "curve":
             words += f" at d_max = {as_written(str(inside[1]), 'm')}"
-        spreads = {each.of_sweep[0] for each in comparison.differences if each.of_sweep}
+        spreads = {other.of_sweep[0] for other in comparison.differences if other.of_sweep}
         return f"{words} (σ_v = {as_written(str(sigma), 'm/s')})" if len(spreads) > 1 else words
     group = _GROUPS.get(difference.group, difference.group)
     if difference.place[0] == "phases":
@@ -68,15 +68,15 @@ def name_of(comparison: Comparison, difference: ComparedNumber) -> str:
 def _requirement(comparison: Comparison, difference: ComparedNumber, item: ListItem) -> str:
     """Write a requirement with its limit as the mission does, or in SI where that is not certain."""
     mission = _mission(comparison, difference)
-    alike = [each for each in requirements_of(mission) if each.get("quantity") == item.name]
+    alike = [entry for entry in requirements_of(mission) if entry.get("quantity") == item.name]
     limit = ""
     if item.number is not None and item.bound:
         limit = limit_in_words(alike[0]) if len(alike) == 1 else ""
         unit = _si_unit(item.name)
         in_si = with_error(item.number, 0.0, reader_unit(unit, item.number)) if unit else f"{item.number:.6g}"
         limit = limit or f"{item.bound.replace('_', ' ')} {in_si}"
-    phase, _, own = item.name.rpartition(".")
-    return f"{of_phase(own, phase) if phase in phase_names(mission) else in_words(item.name)} {limit}".strip()
+    phase, _, quantity = item.name.rpartition(".")
+    return f"{of_phase(quantity, phase) if phase in phase_names(mission) else in_words(item.name)} {limit}".strip()
 
 
 def _si_unit(quantity: str) -> str:
@@ -164,7 +164,7 @@ def answer(comparison: Comparison) -> str:
     elif unlike := {item.verdict for item in comparison.differences} - {"same", "only first", "only second"}:
         is_judged = "within noise" in unlike
         numbers = f"No number {'changed' if is_judged else 'is known to have changed'} by more than Monte-Carlo noise."
-    success = [_success(comparison, each) for each in comparison.success]
+    success = [_success(comparison, difference) for difference in comparison.success]
     requirements = _requirement_changes(comparison.requirement_changes)
     return " ".join(filter(None, [_unlike(comparison), *success, *requirements, numbers]))
 
@@ -279,7 +279,7 @@ def _inputs_sections(comparison: Comparison) -> Iterator[PageSection]:
     for noun, whole, changes in (("value", "mission", mission), ("option", "run", options)):
         if changes:
             heading = f"{_count(changes, noun)} of the {whole} {'differs' if len(changes) == 1 else 'differ'}"
-            values = [(each.path, each.first or "–", each.second or "–") for each in changes]
+            values = [(change.path, change.first or "–", change.second or "–") for change in changes]
             yield PageSection(heading, [Table(("key", "first", "second"), values, text_columns=3)])
 
 

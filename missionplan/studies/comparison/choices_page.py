@@ -64,24 +64,26 @@ _OF_OTHER_COMMANDS = ("optimise.", "sweep.")
 """Sections of a mission on which a comparison does not depend."""
 
 
-def requirements_section(found: Alternatives) -> Iterator[PageSection]:
+def requirements_section(result: Alternatives) -> Iterator[PageSection]:
     """Show what each alternative reaches of each requirement."""
-    told = percent if len(found.alternatives) == 2 else share
+    writer = percent if len(result.alternatives) == 2 else share
     reached = [
-        {_asked(item, found.provenance.data.get(each.name)): told(item.probability) for item in each.requirements}
-        for each in found.alternatives
+        {_asked(item, result.provenance.data.get(case.name)): writer(item.probability) for item in case.requirements}
+        for case in result.alternatives
     ]
-    asked = list(dict.fromkeys(key for each in reached for key in each))
+    asked = list(dict.fromkeys(key for shares in reached for key in shares))
     if asked:
-        rows = [[*key, *(each.get(key, "–") for each in reached)] for key in asked]
-        columns = ["requirement", "required", *(each.name for each in found.alternatives)]
+        rows = [[*key, *(shares.get(key, "–") for shares in reached)] for key in asked]
+        columns = ["requirement", "required", *(case.name for case in result.alternatives)]
         yield PageSection("What each reaches of what is required", [Table(columns, rows)])
 
 
 def _asked(item: RequirementOutcome, mission: object) -> tuple[str, str]:
     """Write what is required and how surely; both may differ from mission to mission."""
     written = requirements_of(mapping(mission))
-    alike = [each for each in written if each.get("quantity") == item.quantity and (item.bound or "quantity") in each]
+    alike = [
+        entry for entry in written if entry.get("quantity") == item.quantity and (item.bound or "quantity") in entry
+    ]
     if len(alike) == 1:
         limit = limit_in_words(alike[0])
     else:
@@ -89,19 +91,19 @@ def _asked(item: RequirementOutcome, mission: object) -> tuple[str, str]:
     return f"{in_words(item.quantity)} {limit}".strip(), f"{number(100.0 * item.required)}\u00a0%"
 
 
-def differing_section(found: Alternatives) -> Iterator[PageSection]:
+def differing_section(result: Alternatives) -> Iterator[PageSection]:
     """List the values in which the missions differ, but for what they let other commands try."""
-    differing = [each for each in found.differing if not each.path.startswith(_OF_OTHER_COMMANDS)]
+    differing = [key for key in result.differing if not key.path.startswith(_OF_OTHER_COMMANDS)]
     if not differing:
         return
     rows = [  # of a file, its name
-        [each.path, *(Path(value).name if Path(value).is_absolute() else value or "–" for value in each.values)]
-        for each in differing[:_MOST_DIFFERING]
+        [key.path, *(Path(value).name if Path(value).is_absolute() else value or "–" for value in key.values)]
+        for key in differing[:_MOST_DIFFERING]
     ]
     count = len(differing)
     more = f"The first {_MOST_DIFFERING} of {count}." if count > _MOST_DIFFERING else ""
     heading = "1 value of the missions differs" if count == 1 else f"{count} values of the missions differ"
-    names = [each.name for each in found.alternatives]
+    names = [case.name for case in result.alternatives]
     yield PageSection(heading, [Table(["key", *names], rows, more, text_columns=len(names) + 1)])
 
 
@@ -110,117 +112,119 @@ _MOST_WINDOWS = 4
 _DAY = 86400.0
 
 
-def choices_in_words(found: Alternatives) -> str:
+def choices_in_words(result: Alternatives) -> str:
     """Write the first sentence: ``The best start is 12:00 UTC in one and 06:00 UTC in two.``."""
-    keys = _keys(found)
+    keys = _keys(result)
     what = f"The best {_name(keys[0])} is {{}} in {{}}" if len(keys) == 1 else "Best are {} in {}"
     by_words: dict[str, list[str]] = {}
-    for each in found.alternatives:
-        if np.isfinite(each.success.value):
-            by_words.setdefault(chosen_in_words(found, each), []).append(each.name)
+    for case in result.alternatives:
+        if np.isfinite(case.success.value):
+            by_words.setdefault(chosen_in_words(result, case), []).append(case.name)
     return " ".join(f"{what.format(words, listed(names))}." for words, names in by_words.items())
 
 
-def chosen_in_words(found: Alternatives, each: Alternative) -> str:
+def chosen_in_words(result: Alternatives, case: Alternative) -> str:
     """Write what was chosen: ``12:00 UTC``; with the names of the keys where there are several."""
-    values = each.chosen.values if each.chosen else {}
-    alone = len(_keys(found)) == 1
-    parts = [_shown(found, value) if alone else f"{_name(key)} {_shown(found, value)}" for key, value in values.items()]
+    values = case.chosen.values if case.chosen else {}
+    alone = len(_keys(result)) == 1
+    parts = [
+        _shown(result, value) if alone else f"{_name(key)} {_shown(result, value)}" for key, value in values.items()
+    ]
     return listed(parts) or "–"
 
 
-def windows_in_words(found: Alternatives, each: Alternative) -> str:
+def windows_in_words(result: Alternatives, case: Alternative) -> str:
     """Write where all requirements are met: ``05:00 to 06:00 UTC, 12:00 UTC``, or in how many of the cells."""
-    if each.chosen is None or not each.requirements:
+    if case.chosen is None or not case.requirements:
         return "–"
     parts = [
-        _shown(found, first)
+        _shown(result, first)
         if first == last
-        else f"{_shown(found, first).removesuffix(' UTC')} to {_shown(found, last)}"
-        for first, last in each.chosen.windows
+        else f"{_shown(result, first).removesuffix(' UTC')} to {_shown(result, last)}"
+        for first, last in case.chosen.windows
     ]
     if not parts:
-        met = sum(cell.meets_all for cell in each.chosen.cells)
-        return f"{met} of {each.chosen.count}" if met else "nowhere"
+        met = sum(cell.meets_all for cell in case.chosen.cells)
+        return f"{met} of {case.chosen.count}" if met else "nowhere"
     more = [f"{len(parts) - _MOST_WINDOWS} more"] if len(parts) > _MOST_WINDOWS else []
     return ", ".join([*parts[:_MOST_WINDOWS], *more])
 
 
-def curves_figure(found: Alternatives) -> Figure | None:
+def curves_figure(result: Alternatives) -> Figure | None:
     """Draw P(success) against the only key, a line for each report; None where its values are no numbers."""
-    keys = _keys(found)
-    cells = [each.chosen.cells if each.chosen else () for each in found.alternatives]
+    keys = _keys(result)
+    cells = [case.chosen.cells if case.chosen else () for case in result.alternatives]
     if len(keys) != 1 or not all(cells):
         return None
-    scale = _scale([cell.values[0] for each in cells for cell in each])
+    scale = _scale([cell.values[0] for curve in cells for cell in curve])
     if scale is None:
         return None
     places, unit = scale
     figure = MatplotlibFigure(figsize=(6.0, 3.2))
     axes = figure.subplots()
-    for row, (each, own) in enumerate(zip(found.alternatives, cells, strict=True)):
-        x = np.array([places[cell.values[0]] for cell in own])
+    for row, (case, curve) in enumerate(zip(result.alternatives, cells, strict=True)):
+        x = np.array([places[cell.values[0]] for cell in curve])
         low, middle, high = (
-            100.0 * np.array([getattr(cell.success, part) for cell in own]) for part in ("low", "value", "high")
+            100.0 * np.array([getattr(cell.success, part) for cell in curve]) for part in ("low", "value", "high")
         )
         colour = f"C{row % 7}"
         axes.fill_between(x, low, high, color=colour, alpha=0.15, linewidth=0.0)
-        axes.plot(x, middle, ".-", color=colour, markersize=4, linewidth=1.2, label=each.name)
+        axes.plot(x, middle, ".-", color=colour, markersize=4, linewidth=1.2, label=case.name)
     axes.set(
         ylabel="P(success) (%)", ylim=(-4.0, 104.0), xlabel=f"{capitalised(_name(keys[0]))}{unit and f' ({unit})'}"
     )
     if unit == "UTC":
-        mark_times(axes.xaxis, one_day=_one_day(found))
+        mark_times(axes.xaxis, one_day=_one_day(result))
     figure.legend(loc="outside upper center", ncols=3)
     return to_figure(
         figure,
         "cells",
-        f"Probability of success against {_name(keys[0])} in {len(found.alternatives)} explorations",
+        f"Probability of success against {_name(keys[0])} in {len(result.alternatives)} explorations",
         "Bands: 95 % intervals. Gaps: the mission cannot be run.",
     )
 
 
-def cells_section(found: Alternatives) -> Iterator[PageSection]:
+def cells_section(result: Alternatives) -> Iterator[PageSection]:
     """Show P(success) of the cells that all explorations have tried."""
-    tried = [{cell.values: cell for cell in (each.chosen.cells if each.chosen else ())} for each in found.alternatives]
-    common = [values for values in tried[0] if all(values in each for each in tried)]
+    tried = [{cell.values: cell for cell in (case.chosen.cells if case.chosen else ())} for case in result.alternatives]
+    common = [values for values in tried[0] if all(values in cells for cells in tried)]
     if not common:
         return
     rows = [
         [
-            *(_shown(found, value) for value in values),
-            *(f"{share(each[values].success)}{' ✓' if each[values].meets_all else ''}" for each in tried),
+            *(_shown(result, value) for value in values),
+            *(f"{share(cells[values].success)}{' ✓' if cells[values].meets_all else ''}" for cells in tried),
         ]
         for values in common[:_MOST_ROWS]
     ]
-    columns = [*map(_name, _keys(found)), *(each.name for each in found.alternatives)]
+    columns = [*map(_name, _keys(result)), *(case.name for case in result.alternatives)]
     caption = "P(success); a tick where all requirements are met."
     if len(common) > _MOST_ROWS:
         caption += f" The first {_MOST_ROWS} of {len(common)}; each report has all of its own in explore.csv."
     heading = f"P(success) of the {len(common)} that {'both' if len(tried) == 2 else 'all'} have tried"
-    yield PageSection(heading, [Table(columns, rows, caption, text_columns=len(_keys(found)))])
+    yield PageSection(heading, [Table(columns, rows, caption, text_columns=len(_keys(result)))])
 
 
-def _keys(found: Alternatives) -> list[str]:
-    return list(dict.fromkeys(key for each in found.alternatives if each.chosen for key in each.chosen.values))
+def _keys(result: Alternatives) -> list[str]:
+    return list(dict.fromkeys(key for case in result.alternatives if case.chosen for key in case.chosen.values))
 
 
 def _name(key: str) -> str:
     return keys_in_words(key.split("+"))
 
 
-def _shown(found: Alternatives, value: str) -> str:
+def _shown(result: Alternatives, value: str) -> str:
     """Write a value as people read it: a start by its time of day where all are on one."""
     moment = moment_or_none(value) if "T" in value else None
     if moment is None:
         return value
-    return f"{moment:{'%H:%M' if _one_day(found) else '%d %b %H:%M'}} UTC"
+    return f"{moment:{'%H:%M' if _one_day(result) else '%d %b %H:%M'}} UTC"
 
 
-def _one_day(found: Alternatives) -> bool:
-    chosen = [each.chosen for each in found.alternatives if each.chosen]
-    tried = {value for each in chosen for cell in each.cells for value in cell.values}
-    tried.update(value for each in chosen for value in each.values.values())
+def _one_day(result: Alternatives) -> bool:
+    chosen = [case.chosen for case in result.alternatives if case.chosen]
+    tried = {value for choice in chosen for cell in choice.cells for value in cell.values}
+    tried.update(value for choice in chosen for value in choice.values.values())
     return len({moment.date() for value in tried if "T" in value and (moment := moment_or_none(value))}) == 1
 
 

@@ -50,33 +50,33 @@ class DifferingValue(Record):
 
 def parts_of_task(keys: Iterable[MissionKey], *, phases_differ: bool) -> dict[PartOfTask, list[str]]:
     """Return the parts of a mission's task that some values tell, in the order of `PartOfTask`, and in which phases."""
-    found: dict[PartOfTask | None, list[str]] = {"phases": []} if phases_differ else {}
+    phases: dict[PartOfTask | None, list[str]] = {"phases": []} if phases_differ else {}
     for key in keys:
-        found.setdefault(key.part(), []).append(key.phase)
+        phases.setdefault(key.part(), []).append(key.phase)
     parts: tuple[PartOfTask, ...] = get_args(PartOfTask)
-    return {part: list(dict.fromkeys(found[part])) for part in parts if part in found}
+    return {part: list(dict.fromkeys(phases[part])) for part in parts if part in phases}
 
 
 def phase_names(mission: object) -> tuple[str, ...]:
     """Names of a mission's phases: given, or else their kinds."""
-    return tuple(each.name for each in written_phases(mapping(mission)))
+    return tuple(phase.name for phase in written_phases(mapping(mission)))
 
 
 def differing_values(missions: Sequence[object]) -> tuple[DifferingValue, ...]:
     """List the values in which any of some missions differs from the first, by key path with phases by name."""
     values = [dict(_values_by_key(mission, MissionKey(()))) for mission in missions]
     return tuple(
-        DifferingValue(key.path(), tuple(_value_shown(each.get(key)) for each in values), key)
-        for key in dict.fromkeys(key for each in values for key in each)
-        if not all(_same(values[0].get(key), each.get(key)) for each in values[1:])
+        DifferingValue(key.path(), tuple(_value_shown(by_key.get(key)) for by_key in values), key)
+        for key in dict.fromkeys(key for by_key in values for key in by_key)
+        if not all(_same(values[0].get(key), by_key.get(key)) for by_key in values[1:])
     )
 
 
 def _values_by_key(value: object, at: MissionKey) -> Iterator[tuple[MissionKey, object]]:
     if isinstance(value, Mapping) and at == MissionKey(("posterior",)):
         yield at, str(value.get("sha256", ""))[:12]
-        for effect, known in mapping(value.get("summary")).items():
-            yield MissionKey((*at.keys, effect)), mapping(known).get("probability")
+        for effect, summary in mapping(value.get("summary")).items():
+            yield MissionKey((*at.keys, effect)), mapping(summary).get("probability")
     elif isinstance(value, Mapping):
         for key, inner in value.items():
             yield from _values_by_key(inner, MissionKey((*at.keys, str(key)), at.phase))
@@ -97,7 +97,7 @@ def _same(first: object, second: object) -> bool:
     if written is None or not isinstance(first, str):
         return False
     try:
-        return math.isclose(*(parse_number_with_unit(str(each), written[1]) for each in (first, second)), rel_tol=1e-12)
+        return math.isclose(*(parse_number_with_unit(str(text), written[1]) for text in (first, second)), rel_tol=1e-12)
     except QuantityError:
         return False
 

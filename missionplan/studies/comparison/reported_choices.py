@@ -17,8 +17,8 @@ from missionplan.studies.comparison.result import Alternative, Chosen, Estimate,
 def _whole_mission(summary: Mapping[str, object]) -> dict[str, object]:
     """Return what a summary says of a mission that was simulated, as a cell of an exploration has it."""
     total = mapping(summary.get("total"))
-    found = {key: summary.get(key) for key in ("requirements", "trials")}
-    return {"success": mapping(total.get("events")).get("success"), "quantities": total.get("quantities"), **found}
+    rest = {key: summary.get(key) for key in ("requirements", "trials")}
+    return {"success": mapping(total.get("events")).get("success"), "quantities": total.get("quantities"), **rest}
 
 
 def _alternative(
@@ -45,12 +45,12 @@ def probability_of(entry: object) -> Probability:
 
 def estimates_of(entries: object) -> dict[str, Estimate]:
     """Read energy and duration of a summary, where it has them."""
-    found = {}
+    estimates = {}
     for name, entry in mapping(entries).items():
         mean, error = (real(mapping(entry).get(key)) for key in ("mean", "standard_error"))
         if name in ("duration_s", "energy_wh") and math.isfinite(mean):
-            found[name] = (mean, error)
-    return found
+            estimates[name] = (mean, error)
+    return estimates
 
 
 def _requirement(item: Mapping[str, object], trials: int) -> RequirementOutcome:
@@ -89,17 +89,20 @@ def reported_alternative(name: str, folder: Path, summary: Summary) -> Alternati
             for key, value in mapping(entry.get("quantities")).items()
             if str(key).startswith("total.")
         }
-        windows = tuple((str(each.get("from")), str(each.get("to"))) for each in mappings(summary.get("windows")))
+        windows = tuple((str(window.get("from")), str(window.get("to"))) for window in mappings(summary.get("windows")))
         chosen = Chosen(_texts(entry.get("values")), len(cells), windows, tuple(cells))
         return _alternative(name, folder, summary, {**entry, "quantities": of_total}, chosen)
     if command == "optimise":
         chosen = Chosen(_texts(summary.get("chosen")), whole(summary.get("combinations")))
-        found = _alternative(name, folder, summary, _whole_mission(summary), chosen)
+        case = _alternative(name, folder, summary, _whole_mission(summary), chosen)
         # requirements that no choice meets, with the most that is reached of each
         obstacles = mappings(summary.get("obstacles"))
-        unmet = [{**each, "probability": each.get("reached"), "met": False, "undecided": False} for each in obstacles]
+        unmet = [
+            {**obstacle, "probability": obstacle.get("reached"), "met": False, "undecided": False}
+            for obstacle in obstacles
+        ]
         return replace(
-            found, requirements=found.requirements or tuple(_requirement(each, found.trials) for each in unmet)
+            case, requirements=case.requirements or tuple(_requirement(obstacle, case.trials) for obstacle in unmet)
         )
     if command == "simulate" and isinstance(mapping(summary.get("total")).get("events"), Mapping):
         return _alternative(name, folder, summary, _whole_mission(summary))
@@ -128,19 +131,19 @@ def check_kinds(sources: Sequence[tuple[Path, Summary]]) -> str:
     varied = []  # explorations of unlike keys have no cells in common
     for _, summary in sources if kinds == {"explore"} else ():
         keys = [axis.get("keys") for axis in mappings(summary.get("vary"))]
-        varied.append("+".join("+".join(map(str, each)) if isinstance(each, list) else "" for each in keys))
+        varied.append("+".join("+".join(map(str, names)) if isinstance(names, list) else "" for names in keys))
     if len(set(varied)) > 1:
-        told = ", ".join(f"{path} varies {keys}" for (path, _), keys in zip(sources, varied, strict=True))
-        raise InputError([Problem(f"explorations of the same keys were expected, in the same order, but {told}")])
+        variations = ", ".join(f"{path} varies {keys}" for (path, _), keys in zip(sources, varied, strict=True))
+        raise InputError([Problem(f"explorations of the same keys were expected, in the same order, but {variations}")])
     return made[0]
 
 
 def aim_of(summaries: Sequence[Summary]) -> Aim:
     """What all reports aim at; success where they differ, or have none."""
-    found = {each.get("aim") for each in summaries}
-    (aim,) = found if len(found) == 1 else ("success",)
-    return next((each for each in get_args(Aim) if each == aim), "success")
+    aims = {summary.get("aim") for summary in summaries}
+    (aim,) = aims if len(aims) == 1 else ("success",)
+    return next((candidate for candidate in get_args(Aim) if candidate == aim), "success")
 
 
 def _texts(value: object) -> dict[str, str]:
-    return {str(key): str(each) for key, each in mapping(value).items()}
+    return {str(key): str(inner) for key, inner in mapping(value).items()}

@@ -144,7 +144,7 @@ class Comparison(Result):
     def task_differs(self) -> Mapping[PartOfTask, Sequence[str]]:
         """Parts in which the tasks of the missions differ, and their phases; empty where they have one task."""
         first, second = self.phases
-        keys = (each.mission_key for each in self.mission_changes if each.mission_key is not None)
+        keys = (change.mission_key for change in self.mission_changes if change.mission_key is not None)
         return parts_of_task(keys, phases_differ=first != second)
 
     @property
@@ -285,8 +285,8 @@ class Alternatives(Result):
     @property
     def task_differs(self) -> Mapping[PartOfTask, Sequence[str]]:
         """Parts in which the tasks of the missions differ, and their phases; empty where they have one task."""
-        phases = {phase_names(self.provenance.data.get(each.name)) for each in self.alternatives}
-        return parts_of_task((each.mission_key for each in self.differing), phases_differ=len(phases) > 1)
+        phases = {phase_names(self.provenance.data.get(case.name)) for case in self.alternatives}
+        return parts_of_task((key.mission_key for key in self.differing), phases_differ=len(phases) > 1)
 
     @property
     def best_one(self) -> Alternative:
@@ -296,7 +296,7 @@ class Alternatives(Result):
     @property
     def others(self) -> tuple[Alternative, ...]:
         """All but the best."""
-        return tuple(each for each in self.alternatives if each is not self.best_one)
+        return tuple(case for case in self.alternatives if case is not self.best_one)
 
     @property
     def name_of_best(self) -> Annotated[str, Entry(key="best")]:
@@ -310,20 +310,20 @@ class Alternatives(Result):
 
     def to_frame(self) -> pd.DataFrame:
         """One row per alternative."""
-        return pd.DataFrame([_row(each) for each in self.alternatives])
+        return pd.DataFrame([_row(case) for case in self.alternatives])
 
     def files(self) -> dict[str, str | bytes]:
         """Return `alternatives.csv`."""
         return {"alternatives.csv": to_csv(self.to_frame())}
 
 
-def _row(each: Alternative) -> dict[str, object]:
-    row: dict[str, object] = {"name": each.name, "source": each.source, "trials": each.trials}
-    row |= {} if each.chosen is None else each.chosen.values
-    row |= {"success": each.success.value, "success_low": each.success.low, "success_high": each.success.high}
-    for name, (mean, error) in each.quantities.items():
+def _row(case: Alternative) -> dict[str, object]:
+    row: dict[str, object] = {"name": case.name, "source": case.source, "trials": case.trials}
+    row |= {} if case.chosen is None else case.chosen.values
+    row |= {"success": case.success.value, "success_low": case.success.low, "success_high": case.success.high}
+    for name, (mean, error) in case.quantities.items():
         row |= {name: mean, f"{name} standard error": error}
-    for name, contrast in each.contrasts.items():
+    for name, contrast in case.contrasts.items():
         row |= {f"{name} against best": contrast.difference, f"{name} against best standard error": contrast.error}
         row[f"{name} differs"] = contrast.differs
-    return row | {"requirements missed": len(each.missed)}
+    return row | {"requirements missed": len(case.missed)}

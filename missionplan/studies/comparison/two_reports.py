@@ -33,8 +33,8 @@ from missionplan.studies.coverage import coverage_of
 
 def changed_values(first: object, second: object) -> tuple[ChangedValue, ...]:
     """List the values that differ, by key path with phases by name; ``75 ft`` and ``22.86 m`` are the same."""
-    found = differing_values((first, second))
-    return tuple(ChangedValue(each.path, each.values[0], each.values[1], each.mission_key) for each in found)
+    keys = differing_values((first, second))
+    return tuple(ChangedValue(key.path, key.values[0], key.values[1], key.mission_key) for key in keys)
 
 
 SECTIONS = {
@@ -64,13 +64,13 @@ class SummaryNumber(NamedTuple):
 
 def summary_numbers(summary: Mapping[str, object], command: str) -> dict[KeyPath, SummaryNumber]:
     """Numbers of a summary by their places in it, such as ``("phases", "moor", "quantities", "offset_m")``."""
-    found = {}
+    numbers = {}
     for section in SECTIONS[command]:
         error = math.nan if section in _NOISY.get(command, ()) else 0.0
         value = summary.get(section)
         for path, number in _walk(value, (section,), error) if isinstance(value, Mapping | list) else ():
-            found[path] = number
-    return found
+            numbers[path] = number
+    return numbers
 
 
 def _walk(value: object, path: KeyPath, error: float) -> Iterator[tuple[KeyPath, SummaryNumber]]:
@@ -229,8 +229,8 @@ def _one_command(folders: Sequence[Path], summaries: Sequence[Mapping[str, objec
         made = " and ".join(f"{folder} by {command}" for folder, command in zip(folders, commands, strict=True))
         raise InputError([Problem(f"two reports of one command were expected, but they were made {made}")])
     if commands[0] not in SECTIONS:
-        known = ", ".join((*SECTIONS, *CHOOSING))
-        raise InputError([Problem(f"reports of {commands[0]} cannot be compared; those of {known} can")])
+        names = ", ".join((*SECTIONS, *CHOOSING))
+        raise InputError([Problem(f"reports of {commands[0]} cannot be compared; those of {names} can")])
     return str(commands[0])
 
 
@@ -260,24 +260,24 @@ def _differences(
         if one is not None and two is not None:
             error, p_value = standard_error_and_p_value(one, two, trials)
             yield ComparedNumber(*named, one.kind, one.value, two.value, error, p_value, "not judged", place)
-        elif known := one or two:
+        elif datum := one or two:
             values = one and one.value, two and two.value
-            yield ComparedNumber(*named, known.kind, *values, None, None, "only first" if one else "only second", place)
+            yield ComparedNumber(*named, datum.kind, *values, None, None, "only first" if one else "only second", place)
 
 
 def _with_verdicts(differences: Sequence[ComparedNumber]) -> tuple[ComparedNumber, ...]:
     """Add the verdicts: exact where there is no noise, by Holm's correction over all numbers that have some."""
-    noisy = [each for each in differences if each.standard_error and each.p_value is not None]
-    adjusted = dict(zip(map(id, noisy), holm([each.p_value or 0.0 for each in noisy]), strict=True))
+    noisy = [difference for difference in differences if difference.standard_error and difference.p_value is not None]
+    adjusted = dict(zip(map(id, noisy), holm([difference.p_value or 0.0 for difference in noisy]), strict=True))
     judged = []
-    for each in differences:
-        verdict = each.verdict
-        if each.change == 0.0:
+    for difference in differences:
+        verdict = difference.verdict
+        if difference.change == 0.0:
             verdict = "same"
-        elif each.p_value is not None:
-            changed = adjusted.get(id(each), each.p_value) < LEVEL
-            verdict = "changed" if changed else "within noise" if id(each) in adjusted else "same"
-        judged.append(replace(each, verdict=verdict))
+        elif difference.p_value is not None:
+            changed = adjusted.get(id(difference), difference.p_value) < LEVEL
+            verdict = "changed" if changed else "within noise" if id(difference) in adjusted else "same"
+        judged.append(replace(difference, verdict=verdict))
     return tuple(judged)
 
 
@@ -285,9 +285,9 @@ def _requirements_met(summary: Mapping[str, object]) -> dict[str, str]:
     """Verdict on each requirement, by its quantity; of several on one quantity, with their limits."""
     items = mappings(summary.get("requirements"))
     quantities = [str(item.get("quantity")) for item in items]
-    found = {}
+    verdicts = {}
     for quantity, item in zip(quantities, items, strict=True):
         bounds = [f" {key.replace('_', ' ')} {item[key]:g}" for key in _BOUNDS if isinstance(item.get(key), float)]
         name = quantity if quantities.count(quantity) == 1 else quantity + "".join(bounds)
-        found[name] = "undecided" if item.get("undecided") else "met" if item.get("met") else "not met"
-    return found
+        verdicts[name] = "undecided" if item.get("undecided") else "met" if item.get("met") else "not met"
+    return verdicts

@@ -44,38 +44,38 @@ def known_key(mission: Mission, key: str, option: str) -> str:
         said = name_in_force(key)
         message = f"given the key {shown(key)}, which changes nothing: the mission's own {said} goes before it"
         raise InputError([Problem(message, key=option, hint=f"did you mean {said}?")])
-    known, key = known_keys(mission), resolved_path(key, [phase.label for phase in mission.phases])
-    if key in known or _is_written(mission.raw, key):
+    keys, key = known_keys(mission), resolved_path(key, [phase.label for phase in mission.phases])
+    if key in keys or _is_written(mission.raw, key):
         return key
-    hint = did_you_mean(key, known) or "such as start, ingress.speed, moor.line_length: key paths, phases by name"
+    hint = did_you_mean(key, keys) or "such as start, ingress.speed, moor.line_length: key paths, phases by name"
     raise InputError([Problem(f"given the key {shown(key)}, which the mission does not have", key=option, hint=hint)])
 
 
 def known_keys(mission: Mission) -> set[str]:
     """Return the key paths of a mission that hold one value each, given or not, phases by name."""
-    found = set(_WHOLES)
+    keys = set(_WHOLES)
     for name, value in mission:
         if name == "entries":
             for phase in mission.phases:
-                _collect(phase, phase.name, found)
+                _collect(phase, phase.name, keys)
         elif name == "effect_list":
-            found |= {path for entry in mission.effects for path in entry.names}
+            keys |= {path for entry in mission.effects for path in entry.names}
         elif name not in _OF_THE_RUN:
-            _collect(value, name, found)
-    return found | {".".join(map(str, each.path)) for each in mission.values_in_force()}
+            _collect(value, name, keys)
+    return keys | {".".join(map(str, value.path)) for value in mission.values_in_force()}
 
 
-def _collect(value: object, path: str, found: set[str]) -> None:
+def _collect(value: object, path: str, keys: set[str]) -> None:
     if isinstance(value, BaseModel):
-        given = type(value).model_fields
+        fields = type(value).model_fields
         for name, inner in value:
-            if not given[name].exclude:
-                _collect(inner, f"{path}.{given[name].alias or name}", found)
-    elif isinstance(value, tuple) and any(isinstance(each, BaseModel) for each in value):
+            if not fields[name].exclude:
+                _collect(inner, f"{path}.{fields[name].alias or name}", keys)
+    elif isinstance(value, tuple) and any(isinstance(inner, BaseModel) for inner in value):
         for index, inner in enumerate(value):
-            _collect(inner, f"{path}[{index}]", found)
+            _collect(inner, f"{path}[{index}]", keys)
     else:
-        found.add(path)
+        keys.add(path)
 
 
 def with_values(data: Mapping[str, object], values: Mapping[str, object]) -> dict[str, object]:
@@ -111,8 +111,8 @@ def read_axes(mission: Mission, texts: Sequence[str]) -> tuple[Axis, ...]:
     if not 1 <= len(texts) <= 2:
         raise InputError([Problem(f"given {len(texts)} times, expected once or twice", key=OPTION, hint=_EXAMPLE)])
     problems: list[Problem] = []
-    found = [attempted(partial(read_axis, mission, text), problems) for text in texts]
-    axes = [axis for axis in found if axis is not None]
+    attempts = [attempted(partial(read_axis, mission, text), problems) for text in texts]
+    axes = [axis for axis in attempts if axis is not None]
     cells = math.prod(len(axis.values) for axis in axes)
     if not problems and cells > MAX_CELLS:
         problems.append(Problem(f"makes {cells} cells, expected at most {MAX_CELLS}", key=OPTION))
@@ -189,7 +189,7 @@ def _times(mission: Mission, values: str) -> Axis:
         if end < begin < begin + timedelta(seconds=step):
             raise _wrong(f"given {shown(values)}: the last time is before the first")
         seconds = steps(0.0, (end - begin).total_seconds(), step)
-        return _starts([begin + timedelta(seconds=each) for each in seconds])
+        return _starts([begin + timedelta(seconds=offset) for offset in seconds])
     raise _wrong(
         f"given {shown(values)}, expected FROM:TO:STEP", "such as start=04:00:12:00:10 min or =0 h:12 h:15 min"
     )
@@ -243,7 +243,8 @@ def vehicles(mission: Mission, names: Sequence[str]) -> Axis:
             documents.append(load_document(path, str(path)).data)
         except InputError as error:
             problems += [
-                replace(each, message=f"{path}: {each.message}", file="", key=OPTION) for each in error.problems
+                replace(problem, message=f"{path}: {problem.message}", file="", key=OPTION)
+                for problem in error.problems
             ]
     if problems:
         raise InputError(problems)

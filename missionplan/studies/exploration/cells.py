@@ -54,7 +54,7 @@ class SharedCurrent:
             return cls(recorded_current(mission), _place(mission), mission.start, moves=False)
         hour = timedelta(hours=1)
         starts = ({"start": moment.isoformat()} for moment in (first, first + hour))
-        early, later = (Mission.from_data(with_values(mission.raw, each), file=mission.file) for each in starts)
+        early, later = (Mission.from_data(with_values(mission.raw, start), file=mission.file) for start in starts)
         current = recorded_current(early)
         written = current_source(mission)
         if written is not None and all(is_netcdf(name) for name in written.members):  # a field
@@ -128,7 +128,9 @@ class MissionTask:
             trials = run_trials(means.sampled_from(source, size), source, size, inputs=False)
         except InputError as error:
             # without the file, which is that of every cell
-            reasons = (f"{each.key}: {each.message}" if each.key else each.message for each in error.problems)
+            reasons = (
+                f"{problem.key}: {problem.message}" if problem.key else problem.message for problem in error.problems
+            )
             return CellTrials({}, "; ".join(reasons))
         except MissionplanError:
             raise

@@ -73,22 +73,22 @@ def race(
     blocks of cells and returns the trials of every cell.
     """
     left = list(range(cells))
-    known: list[CellTrials] = [CellTrials({})] * cells
+    samples: list[CellTrials] = [CellTrials({})] * cells
     spent, size = 0, min(FIRST, trials)
     while True:
-        found = run([(cell, *block) for cell in left for block in sized_blocks(size)])
+        heat = run([(cell, *block) for cell in left for block in sized_blocks(size)])
         spent += size * len(left)
         for cell in left:
-            known[cell] = found[cell]
+            samples[cell] = heat[cell]
         dropped = frozenset(range(cells)) - set(left)
-        judged = [cell_of((), mission, each.columns, each.reason) for each in known]
+        judged = [cell_of((), mission, sample.columns, sample.reason) for sample in samples]
         if size == trials and (again := _to_run_after_all(judged, left)):
             left = again
         elif size == trials:
             whole = {cell for cell in dropped if judged[cell].trials == trials}
-            return Race(known, dropped - whole, spent)
+            return Race(samples, dropped - whole, spent)
         else:
-            left = _last(judged, known, left, aim)
+            left = _last(judged, samples, left, aim)
             size = min(size * FACTOR, trials)
 
 
@@ -103,7 +103,7 @@ def _to_run_after_all(cells: Sequence[Cell], left: Sequence[int]) -> list[int]:
     ]
 
 
-def _last(cells: Sequence[Cell], known: Sequence[CellTrials], left: Sequence[int], aim: Aim) -> list[int]:
+def _last(cells: Sequence[Cell], samples: Sequence[CellTrials], left: Sequence[int], aim: Aim) -> list[int]:
     """Return the cells that may still be the best."""
     valid = [index for index in left if not cells[index].reason]
     may = [index for index in valid if not _misses(cells[index])] or valid
@@ -112,7 +112,7 @@ def _last(cells: Sequence[Cell], known: Sequence[CellTrials], left: Sequence[int
     if not good:
         return may
     best = min(good, key=lambda index: rank(cells[index], column))
-    values = [known[index].columns[column] for index in may]
+    values = [samples[index].columns[column] for index in may]
     as_good = compare_with_best(values, may.index(best), most=column == SUCCESS).as_good
     # a cell that may not meet all may look better than the best of those that do
     order = rank(cells[best], column)
@@ -193,14 +193,17 @@ def explore(
     if only_best:
         raced = race(mission, len(places), trials, aim, run_cells)
     else:
-        found = run_cells([(cell, *block) for cell in range(len(places)) for block in sized_blocks(trials)])
-        raced = Race(found, frozenset(), trials * len(places))
+        samples = run_cells([(cell, *block) for cell in range(len(places)) for block in sized_blocks(trials)])
+        raced = Race(samples, frozenset(), trials * len(places))
     cells = [
-        replace(cell_of(place, mission, each.columns, each.reason), dropped=number in raced.dropped and not each.reason)
-        for number, (place, each) in enumerate(zip(places, raced.trials, strict=True))
+        replace(
+            cell_of(place, mission, sample.columns, sample.reason),
+            dropped=number in raced.dropped and not sample.reason,
+        )
+        for number, (place, sample) in enumerate(zip(places, raced.trials, strict=True))
     ]
     _check_any_runs(cells)
-    best = find_best(cells, [each.columns for each in raced.trials], aim)
+    best = find_best(cells, [sample.columns for sample in raced.trials], aim)
     return Exploration(
         provenance=run.provenance(
             {
@@ -225,33 +228,33 @@ def _assumed(task: CellTask, cells: Sequence[Cell], best: int | None) -> tuple[A
 
 
 def _members(
-    task: CellTask, axes: Sequence[Axis], found: Sequence[CellTrials], best: int | None, trials: int
+    task: CellTask, axes: Sequence[Axis], samples: Sequence[CellTrials], best: int | None, trials: int
 ) -> tuple[MemberOutcome, ...]:
     """Return how the best cell does in each member of the current's ensemble, of the trials that sail in it."""
     recorded = task.current.current
     varied = any(key.startswith("site.") for axis in axes for key in axis.keys)  # then each cell reads its own
     chosen = None if best is None or varied else members_drawn(recorded, task.seed, trials)
-    if best is None or chosen is None or chosen.size != found[best].columns[SUCCESS].size:
+    if best is None or chosen is None or chosen.size != samples[best].columns[SUCCESS].size:
         return ()
-    success = found[best].columns[SUCCESS]
+    success = samples[best].columns[SUCCESS]
     counts = [Count.of(success[chosen == number].astype(bool)) for number in range(len(members_of(recorded)))]
     pairs = zip(members_of(recorded), counts, strict=True)
-    return tuple(MemberOutcome(name, weight, each.probability()) for (name, weight), each in pairs if each.trials)
+    return tuple(MemberOutcome(name, weight, count.probability()) for (name, weight), count in pairs if count.trials)
 
 
 def _columns(mission: Mission, quantities: Sequence[str]) -> tuple[str, ...]:
     """Columns of the trials for the quantities asked for, with energy and duration in front."""
-    problems, found = [], [DURATION, ENERGY]
+    problems, columns = [], [DURATION, ENERGY]
     labels = [phase.label for phase in mission.phases]
-    for quantity in (resolved_path(each, labels, with_sections=False) for each in quantities):
+    for quantity in (resolved_path(name, labels, with_sections=False) for name in quantities):
         try:
             quantity_unit(quantity, mission.phases)
-            found.append(requirement_key(mission, quantity)[0])
+            columns.append(requirement_key(mission, quantity)[0])
         except QuantityError as error:
             problems.append(Problem(str(error), key="quantity"))
     if problems:
         raise InputError(problems)
-    return tuple(dict.fromkeys(found))
+    return tuple(dict.fromkeys(columns))
 
 
 def _check_any_runs(cells: Sequence[Cell]) -> None:

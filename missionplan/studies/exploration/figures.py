@@ -27,23 +27,23 @@ def name_of(axis: Axis) -> str:
     return keys_in_words(axis.keys)
 
 
-def quantities_shown(found: Exploration) -> list[str]:
+def quantities_shown(result: Exploration) -> list[str]:
     """Quantities and events of the cells that some trial reached."""
-    keys = dict.fromkeys(key for cell in found.valid for key in (*cell.quantities, *cell.events))
-    return [key for key in keys if any(np.isfinite(_mean(cell, key)) for cell in found.valid)]
+    keys = dict.fromkeys(key for cell in result.valid for key in (*cell.quantities, *cell.events))
+    return [key for key in keys if any(np.isfinite(_mean(cell, key)) for cell in result.valid)]
 
 
-def curves_figure(found: Exploration) -> Figure:
+def curves_figure(result: Exploration) -> Figure:
     """Draw P(success) and each quantity along the only axis."""
-    keys = ["success", *quantities_shown(found)]
+    keys = ["success", *quantities_shown(result)]
     figure = MatplotlibFigure(figsize=(6.0, 0.7 + 1.75 * len(keys)))
     panels = figure.subplots(len(keys), sharex=True, squeeze=False)[:, 0]
-    axis = found.axes[0]
+    axis = result.axes[0]
     x = positions(axis)
     for axes, key in zip(panels, keys, strict=True):
-        _draw_curve(axes, found, key, x)
+        _draw_curve(axes, result, key, x)
     _mark_axis(panels[-1], axis, x)
-    best = found.best_cell
+    best = result.best_cell
     return to_figure(
         figure,
         "explore",
@@ -51,63 +51,63 @@ def curves_figure(found: Exploration) -> Figure:
         + (f"; the best is {value_on(axis, best.place[0])}" if best else ""),
         caption="Bands: 95 % intervals of probabilities; between the 5 % and 95 % points of the trials of quantities. "
         "Filled circle: the best; open circles: the trials cannot tell them from it. "
-        + ("Shaded: all requirements are met. " if found.windows else "")
+        + ("Shaded: all requirements are met. " if result.windows else "")
         + "Gaps: no trial reaches the quantity, or the mission cannot be run.",
     )
 
 
-def _draw_curve(axes: Axes, found: Exploration, key: str, x: "Array | NDArray[np.object_]") -> None:
-    unit = _unit(found, key)
-    low, middle, high = np.array([_spread(cell, key) for cell in found.cells]).T / unit.size
-    if found.axes[0].numbers is None:
+def _draw_curve(axes: Axes, result: Exploration, key: str, x: "Array | NDArray[np.object_]") -> None:
+    unit = _unit(result, key)
+    low, middle, high = np.array([_spread(cell, key) for cell in result.cells]).T / unit.size
+    if result.axes[0].numbers is None:
         axes.errorbar(x, middle, [middle - low, high - middle], fmt="o", color=BLUE, markersize=4)
     else:
         axes.fill_between(x, low, high, color=BLUE, alpha=0.2, linewidth=0.0)
         axes.plot(x, middle, ".-", color=BLUE, markersize=4, linewidth=1.0)
-        for window in found.windows:  # those of one cell alone as a line
+        for window in result.windows:  # those of one cell alone as a line
             if window.first == window.last:
                 axes.axvline(x[window.first], color=GREEN, alpha=0.35, linewidth=4.0, zorder=0)
             else:
                 axes.axvspan(x[window.first], x[window.last], color=GREEN, alpha=0.15, linewidth=0.0, zorder=0)
-    good = np.array([cell.as_good for cell in found.cells])
+    good = np.array([cell.as_good for cell in result.cells])
     axes.plot(x[good], middle[good], "o", color=ORANGE, fillstyle="none", markersize=7)
-    if found.best is not None:
-        axes.plot(x[found.best], middle[found.best], "o", color=ORANGE, markersize=7)
+    if result.best is not None:
+        axes.plot(x[result.best], middle[result.best], "o", color=ORANGE, markersize=7)
     axes.set_title(f"{capitalised(_title(key))}{unit.axis}")
     if unit is PERCENT:
         axes.set_ylim(-4.0, 104.0)
 
 
-def maps_figure(found: Exploration, key: str) -> Figure:
+def maps_figure(result: Exploration, key: str) -> Figure:
     """Draw P(success) or the mean of a quantity over two axes."""
     figure = MatplotlibFigure(figsize=(6.0, 4.3))
-    _draw_map(figure.subplots(), found, key)
-    first, second = found.axes
+    _draw_map(figure.subplots(), result, key)
+    first, second = result.axes
     return to_figure(
         figure,
         "explore" if key == "success" else f"map-{key.replace('.', '-')}",
         alt=f"Map of {_title(key)} over {name_of(second)} and {name_of(first)}",
         caption="Star: the best; dots: the trials cannot tell them from it. "
-        + ("Orange outline: all requirements are met. " if found.has_requirements else "")
+        + ("Orange outline: all requirements are met. " if result.has_requirements else "")
         + "Grey: the mission cannot be run, or no trial reaches the quantity.",
     )
 
 
-def draw_exploration(axes: Axes, found: Exploration, quantity: str = "success") -> None:
+def draw_exploration(axes: Axes, result: Exploration, quantity: str = "success") -> None:
     """Draw P(success) or the mean of a quantity: a curve along one key, a map over two."""
-    if len(found.axes) == 2:
-        _draw_map(axes, found, quantity)
+    if len(result.axes) == 2:
+        _draw_map(axes, result, quantity)
         return
-    x = positions(found.axes[0])
-    _draw_curve(axes, found, quantity, x)
-    _mark_axis(axes, found.axes[0], x)
+    x = positions(result.axes[0])
+    _draw_curve(axes, result, quantity, x)
+    _mark_axis(axes, result.axes[0], x)
 
 
-def _draw_map(axes: Axes, found: Exploration, key: str) -> None:
-    first, second = found.axes
+def _draw_map(axes: Axes, result: Exploration, key: str) -> None:
+    first, second = result.axes
     shape = (len(first.values), len(second.values))
-    unit = _unit(found, key)
-    values = np.array([_mean(cell, key) for cell in found.cells]).reshape(shape) / unit.size
+    unit = _unit(result, key)
+    values = np.array([_mean(cell, key) for cell in result.cells]).reshape(shape) / unit.size
     x, y = positions(second), positions(first)
     colours = "viridis" if unit is PERCENT else "viridis_r"
     shown, norm = np.ma.masked_invalid(values), Normalize(0.0, 100.0) if unit is PERCENT else None
@@ -117,25 +117,25 @@ def _draw_map(axes: Axes, found: Exploration, key: str) -> None:
     axes.figure.colorbar(drawn, ax=axes, label=f"{capitalised(_title(key))}{unit.axis}")
     inside = values[np.isfinite(values)]
     if min(shape) >= _FINE and inside.size >= 4 and inside.min() < inside.max():
-        levels = [each for each in _LEVELS if inside.min() < each < inside.max()] if unit is PERCENT else 6
+        levels = [level for level in _LEVELS if inside.min() < level < inside.max()] if unit is PERCENT else 6
         if levels:
             lines = axes.contour(x, y, shown, levels=levels, colors=INK, linewidths=0.7)
             axes.clabel(lines, fmt="%g", fontsize=8)
     if min(shape) > 1:
-        _outline_met(axes, found, x, y, shape)
-    good = [cell.place for cell in found.cells if cell.as_good]
+        _outline_met(axes, result, x, y, shape)
+    good = [cell.place for cell in result.cells if cell.as_good]
     axes.plot([x[place[1]] for place in good], [y[place[0]] for place in good], ".", color="white", markersize=4)
-    if found.best_cell is not None:
-        row, column = found.best_cell.place
+    if result.best_cell is not None:
+        row, column = result.best_cell.place
         axes.plot(x[column], y[row], "*", color=ORANGE, markersize=14, markeredgecolor="white")
     _mark_axis(axes, second, x)
     _mark_axis(axes, first, y, vertical=True)
     axes.grid(visible=False)
 
 
-def _outline_met(axes: Axes, found: Exploration, x: Array, y: Array, shape: tuple[int, int]) -> None:
+def _outline_met(axes: Axes, result: Exploration, x: Array, y: Array, shape: tuple[int, int]) -> None:
     """Draw a line between cells that meet all requirements and those that do not."""
-    met = np.array([found.has_requirements and cell.meets_all for cell in found.cells]).reshape(shape)
+    met = np.array([result.has_requirements and cell.meets_all for cell in result.cells]).reshape(shape)
     framed, across, up = np.pad(met, 1), _edges(x), _edges(y)
     for row, column in zip(*np.nonzero(framed[1:, 1:-1] != framed[:-1, 1:-1]), strict=True):
         axes.plot(across[[column, column + 1]], up[[row, row]], color=ORANGE, linewidth=2.0, clip_on=False)
@@ -169,12 +169,12 @@ def _mark_axis(axes: Axes, axis: Axis, at: Array, *, vertical: bool = False) -> 
         side.set_ticks(at, labels=list(axis.labels))
 
 
-def front_figure(found: Exploration) -> Figure | None:
+def front_figure(result: Exploration) -> Figure | None:
     """Draw P(success) against energy, coloured by duration; None where no energy is known."""
-    cells = [cell for cell in found.valid if ENERGY in cell.quantities and np.isfinite(_mean(cell, ENERGY))]
+    cells = [cell for cell in result.valid if ENERGY in cell.quantities and np.isfinite(_mean(cell, ENERGY))]
     if len(cells) < 2:
         return None
-    energy, duration = _unit(found, ENERGY), _unit(found, DURATION)
+    energy, duration = _unit(result, ENERGY), _unit(result, DURATION)
     figure = MatplotlibFigure(figsize=(6.0, 3.6))
     axes = figure.subplots()
     x = np.array([energy(_mean(cell, ENERGY)) for cell in cells])
@@ -199,13 +199,15 @@ def _title(key: str) -> str:
     return "probability of success" if key == "success" else in_words(key)
 
 
-def _unit(found: Exploration, key: str) -> Unit:
-    if key == "success" or any(key in cell.events for cell in found.valid):
+def _unit(result: Exploration, key: str) -> Unit:
+    if key == "success" or any(key in cell.events for cell in result.valid):
         return PERCENT
     phase, _, name = key.rpartition(".")
-    typical = np.array([_mean(cell, key) for cell in found.valid])
-    known = typical[np.isfinite(typical)]
-    return unit_for(phase, name, found.provenance.data, typical=float(np.median(known)) if known.size else float("nan"))
+    typical = np.array([_mean(cell, key) for cell in result.valid])
+    means = typical[np.isfinite(typical)]
+    return unit_for(
+        phase, name, result.provenance.data, typical=float(np.median(means)) if means.size else float("nan")
+    )
 
 
 def _mean(cell: Cell, key: str) -> float:

@@ -32,14 +32,14 @@ _MOST_RANGES = 4
 """Ranges that a sentence lists."""
 
 
-def answer(found: Exploration) -> str:
+def answer(result: Exploration) -> str:
     """Write the best cell, what is as good, and where all requirements are met."""
-    best = found.best_cell
+    best = result.best_cell
     if best is None:
-        return f"Nothing to choose: none of the {tried(found)} can be compared, as no trial does what is asked for."
-    what = " and ".join(name_of(axis) for axis in found.axes)
+        return f"Nothing to choose: none of the {tried(result)} can be compared, as no trial does what is asked for."
+    what = " and ".join(name_of(axis) for axis in result.axes)
     sentences = []
-    if not found.constrained and found.has_requirements:
+    if not result.constrained and result.has_requirements:
         missed = " and ".join(
             f"the {in_words(item.quantity)} ({percent(item.probability)}, {100.0 * item.required:g}\u00a0% required)"
             for item in best.requirements
@@ -49,75 +49,75 @@ def answer(found: Exploration) -> str:
     gives = [f"the mission succeeds in {percent(best.success)} of the trials"]
     for key, words in ((ENERGY, "takes"), (DURATION, "lasts")):
         if key in best.quantities and best.quantities[key].count:
-            gives.append(f"{words} {quantity_in_words(found, best, key)}")
-    plural = "are" if len(found.axes) > 1 else "is"
+            gives.append(f"{words} {quantity_in_words(result, best, key)}")
+    plural = "are" if len(result.axes) > 1 else "is"
     sentences += [
-        f"{_BEST[found.aim]} {what} {plural} {place_in_words(found, best)}: {listed(gives)}.",
-        members_in_words(found.members, "succeeds"),
-        _as_good(found),
-        _windows(found),
+        f"{_BEST[result.aim]} {what} {plural} {place_in_words(result, best)}: {listed(gives)}.",
+        members_in_words(result.members, "succeeds"),
+        _as_good(result),
+        _windows(result),
     ]
-    unrun, dropped = len(found.cells) - len(found.valid), sum(cell.dropped for cell in found.cells)
+    unrun, dropped = len(result.cells) - len(result.valid), sum(cell.dropped for cell in result.cells)
     if unrun:
-        sentences.append(f"{unrun} of the {len(found.cells)} {tried(found)} cannot be run; the report says why.")
+        sentences.append(f"{unrun} of the {len(result.cells)} {tried(result)} cannot be run; the report says why.")
     if dropped:
-        sentences.append(f"With fewer trials were run those that cannot be the best: {dropped} of the {tried(found)}.")
+        sentences.append(f"With fewer trials were run those that cannot be the best: {dropped} of the {tried(result)}.")
     return " ".join(filter(None, sentences))
 
 
-def tried(found: Exploration) -> str:
+def tried(result: Exploration) -> str:
     """Name what was tried: ``starts``; ``choices`` where two keys were varied, or one that has no plural."""
-    if len(found.axes) == 1 and found.axes[0].keys in (("start",), ["start"]):
+    if len(result.axes) == 1 and result.axes[0].keys in (("start",), ["start"]):
         return "starts"
     return "choices"
 
 
-def place_in_words(found: Exploration, cell: Cell) -> str:
+def place_in_words(result: Exploration, cell: Cell) -> str:
     """Write a cell's values: ``05:50 UTC and 1.4 m/s``."""
-    return " and ".join(value_on(axis, index) for axis, index in zip(found.axes, cell.place, strict=True))
+    return " and ".join(value_on(axis, index) for axis, index in zip(result.axes, cell.place, strict=True))
 
 
-def quantity_in_words(found: Exploration, cell: Cell, key: str, *, alone: bool = False) -> str:
+def quantity_in_words(result: Exploration, cell: Cell, key: str, *, alone: bool = False) -> str:
     """Write the mean of a cell's quantity with its error, or alone with the digits that this supports."""
     mean, error = cell.quantities[key].mean, cell.quantities[key].standard_error
     phase, _, name = key.rpartition(".")
-    unit = unit_for(phase, name, found.provenance.data, typical=mean)
+    unit = unit_for(phase, name, result.provenance.data, typical=mean)
     if not alone:
         return with_error(mean, error, unit)
     return number(unit(mean), unit(error)) + unit.suffix if math.isfinite(mean) else "–"
 
 
-def _as_good(found: Exploration) -> str:
+def _as_good(result: Exploration) -> str:
     """Write which cells the trials cannot tell from the best."""
-    count = sum(cell.as_good for cell in found.cells)
-    trials = found.provenance.trials
+    count = sum(cell.as_good for cell in result.cells)
+    trials = result.provenance.trials
     noise = f"as far as {'1 trial tells' if trials == 1 else f'{trials} trials tell'}"
-    if len(found.valid) < 2:
+    if len(result.valid) < 2:
         return ""
     if count < 2:
-        is_short = found.constrained and not all(cell.meets_all for cell in found.valid)
-        return f"Every other one tried {'misses a requirement or ' * is_short}{_WORSE[found.aim]}, {noise}."
-    if len(found.axes) == 1:
-        axis = found.axes[0]
+        is_short = result.constrained and not all(cell.meets_all for cell in result.valid)
+        return f"Every other one tried {'misses a requirement or ' * is_short}{_WORSE[result.aim]}, {noise}."
+    if len(result.axes) == 1:
+        axis = result.axes[0]
         if axis.numbers is None:
             others = [
-                axis.labels[cell.place[0]] for cell in found.cells if cell.as_good and cell is not found.best_cell
+                axis.labels[cell.place[0]] for cell in result.cells if cell.as_good and cell is not result.best_cell
             ]
-            return f"{_AS_GOOD[found.aim][2]}, {noise}: {', '.join(others)}."
-        where = ranges_in_words(axis, found.ranges_as_good)
-        return f"Any {name_of(axis)} {where} {_AS_GOOD[found.aim][0]}, {noise}."
-    return f"{count} of the {len(found.cells)} {tried(found)} {_AS_GOOD[found.aim][1]}, {noise}."
+            return f"{_AS_GOOD[result.aim][2]}, {noise}: {', '.join(others)}."
+        where = ranges_in_words(axis, result.ranges_as_good)
+        return f"Any {name_of(axis)} {where} {_AS_GOOD[result.aim][0]}, {noise}."
+    return f"{count} of the {len(result.cells)} {tried(result)} {_AS_GOOD[result.aim][1]}, {noise}."
 
 
-def _windows(found: Exploration) -> str:
-    if not found.has_requirements or not found.constrained or any(cell.dropped for cell in found.cells):
+def _windows(result: Exploration) -> str:
+    if not result.has_requirements or not result.constrained or any(cell.dropped for cell in result.cells):
         return ""
-    met = sum(cell.meets_all for cell in found.cells)
-    if len(found.axes) == 1 and found.axes[0].numbers is not None:
-        where = ranges_in_words(found.axes[0], found.windows)
+    met = sum(cell.meets_all for cell in result.cells)
+    if len(result.axes) == 1 and result.axes[0].numbers is not None:
+        where = ranges_in_words(result.axes[0], result.windows)
     else:
-        where = f"with {met} of the {len(found.cells)} {tried(found)}"
-    doubt = "" if any(cell.status == "met" for cell in found.cells) else "; it takes more trials to be sure of it"
+        where = f"with {met} of the {len(result.cells)} {tried(result)}"
+    doubt = "" if any(cell.status == "met" for cell in result.cells) else "; it takes more trials to be sure of it"
     return f"All requirements are met {where}{doubt}."
 
 
@@ -148,53 +148,53 @@ _STATUS: dict[Status, str] = {
 }
 
 
-def page(found: Exploration) -> Page:
+def page(result: Exploration) -> Page:
     """Build the page."""
-    what, is_line = " and ".join(name_of(axis) for axis in found.axes), len(found.axes) == 1
-    mapped, made = [] if is_line else quantities_shown(found), found.provenance
-    again = {"vary": made.options.get("vary"), "quantity": made.options.get("quantity"), "aim": found.aim}
-    numbers = [(f"{capitalised(tried(found))} tried", str(len(found.cells)))]
-    numbers.append(("Trials of each", str(found.provenance.trials)))
-    if found.best_cell is not None:
-        numbers.insert(0, ("P(success) of the best", percent(found.best_cell.success)))
+    what, is_line = " and ".join(name_of(axis) for axis in result.axes), len(result.axes) == 1
+    mapped, made = [] if is_line else quantities_shown(result), result.provenance
+    again = {"vary": made.options.get("vary"), "quantity": made.options.get("quantity"), "aim": result.aim}
+    numbers = [(f"{capitalised(tried(result))} tried", str(len(result.cells)))]
+    numbers.append(("Trials of each", str(result.provenance.trials)))
+    if result.best_cell is not None:
+        numbers.insert(0, ("P(success) of the best", percent(result.best_cell.success)))
     return Page(
-        title=f"Which {what}? {found.provenance.mission}",
-        answer=answer(found),
-        draw=lambda: curves_figure(found) if is_line else maps_figure(found, "success"),
+        title=f"Which {what}? {result.provenance.mission}",
+        answer=answer(result),
+        draw=lambda: curves_figure(result) if is_line else maps_figure(result, "success"),
         numbers=numbers,
         write=lambda: [
-            *([PageSection("What it costs", [maps_figure(found, key) for key in mapped])] if mapped else []),
-            *_good(found),
-            *members_section(found.members, "mission", "success (95 % interval)", _SAILED),
-            *_others(found),
+            *([PageSection("What it costs", [maps_figure(result, key) for key in mapped])] if mapped else []),
+            *_good(result),
+            *members_section(result.members, "mission", "success (95 % interval)", _SAILED),
+            *_others(result),
         ],
-        verdict=_verdict(found),
+        verdict=_verdict(result),
         rerun=typed("explore", "mission.yaml", **again, trials=made.trials, seed=made.seed),
-        table=lambda: _cells(found),
+        table=lambda: _cells(result),
         plots={"cells": draw_exploration},
     )
 
 
-def _cells(found: Exploration) -> Cells:
+def _cells(result: Exploration) -> Cells:
     """Tabulate for a terminal: the best cells and those as good, or all of a few; numbers without their errors."""
-    cells = [cell for cell in found.cells if cell.as_good] if len(found.cells) > _MOST_ROWS else list(found.cells)
-    keys, rows = quantities_shown(found)[:_MOST_NARROW], []
+    cells = [cell for cell in result.cells if cell.as_good] if len(result.cells) > _MOST_ROWS else list(result.cells)
+    keys, rows = quantities_shown(result)[:_MOST_NARROW], []
     for cell in cells[:_MOST_ROWS]:
-        mark = "best" if cell is found.best_cell else "as good" if cell.as_good else _STATUS[cell.status]
+        mark = "best" if cell is result.best_cell else "as good" if cell.as_good else _STATUS[cell.status]
         numbers = ["–"] * (len(keys) + 1)
         if not cell.reason:
-            numbers = [share(cell.success), *(_shown(found, cell, key, alone=True) for key in keys)]
-        rows.append([place_in_words(found, cell), mark, *numbers])
+            numbers = [share(cell.success), *(_shown(result, cell, key, alone=True) for key in keys)]
+        rows.append([place_in_words(result, cell), mark, *numbers])
     return ["", "requirements", "P(success)", *map(in_words, keys)], rows
 
 
-def _verdict(found: Exploration) -> str:
-    if not found.has_requirements:
+def _verdict(result: Exploration) -> str:
+    if not result.has_requirements:
         return ""
-    if not found.any_meets_all:
+    if not result.any_meets_all:
         return "bad"
-    best = found.best_cell
-    doubts = [(each.probability, each.good) for each in found.members]
+    best = result.best_cell
+    doubts = [(member.probability, member.good) for member in result.members]
     if best and best.success.high < 0.5:
         return "bad"
     if not best or best.status != "met" or hangs_on_doubt(best.success, doubts):
@@ -202,64 +202,67 @@ def _verdict(found: Exploration) -> str:
     return "good"
 
 
-def _shown(found: Exploration, cell: Cell, key: str, *, alone: bool = False) -> str:
+def _shown(result: Exploration, cell: Cell, key: str, *, alone: bool = False) -> str:
     """Write how often an event came about, or the mean of a quantity, with its error or alone."""
-    return share(cell.events[key]) if key in cell.events else quantity_in_words(found, cell, key, alone=alone)
+    return share(cell.events[key]) if key in cell.events else quantity_in_words(result, cell, key, alone=alone)
 
 
-def _table(found: Exploration, cells: Sequence[Cell]) -> Table:
-    keys, rows = quantities_shown(found), []
+def _table(result: Exploration, cells: Sequence[Cell]) -> Table:
+    keys, rows = quantities_shown(result), []
     for cell in cells[:_MOST_ROWS]:
-        told = ["–"] * (len(keys) + 2)
+        numbers = ["–"] * (len(keys) + 2)
         if not cell.reason:
-            mark = "best" if cell is found.best_cell else "yes" if cell.as_good else ""
-            told = [percent(cell.success), *(_shown(found, cell, key) for key in keys), mark]
-        values = [value_on(axis, index) for axis, index in zip(found.axes, cell.place, strict=True)]
-        rows.append([*values, _STATUS[cell.status], *told])
+            mark = "best" if cell is result.best_cell else "yes" if cell.as_good else ""
+            numbers = [percent(cell.success), *(_shown(result, cell, key) for key in keys), mark]
+        values = [value_on(axis, index) for axis, index in zip(result.axes, cell.place, strict=True)]
+        rows.append([*values, _STATUS[cell.status], *numbers])
     many = f"The first {_MOST_ROWS} of {len(cells)}; all are in explore.csv." if len(cells) > _MOST_ROWS else ""
-    columns = [*map(name_of, found.axes), "requirements", "P(success)", *map(in_words, keys), "as good"]
-    return Table(columns, rows, many, text_columns=len(found.axes) + 1)
+    columns = [*map(name_of, result.axes), "requirements", "P(success)", *map(in_words, keys), "as good"]
+    return Table(columns, rows, many, text_columns=len(result.axes) + 1)
 
 
-def _good(found: Exploration) -> Iterator[PageSection]:
-    good = [cell for cell in found.cells if cell.as_good]
-    if len(found.axes) == 1 and found.windows:
-        axis, rows = found.axes[0], []
-        for each in found.windows:
-            where = value_on(axis, each.first) if each.first == each.last else range_on(axis, each.first, each.last)
-            least = min((cell.success for cell in found.cells[each.first : each.last + 1]), key=attrgetter("value"))
-            rows.append((where, str(each.last - each.first + 1), percent(least)))
-        heading = f"All requirements are met {ranges_in_words(axis, found.windows)}"
+def _good(result: Exploration) -> Iterator[PageSection]:
+    good = [cell for cell in result.cells if cell.as_good]
+    if len(result.axes) == 1 and result.windows:
+        axis, rows = result.axes[0], []
+        for span in result.windows:
+            where = value_on(axis, span.first) if span.first == span.last else range_on(axis, span.first, span.last)
+            least = min((cell.success for cell in result.cells[span.first : span.last + 1]), key=attrgetter("value"))
+            rows.append((where, str(span.last - span.first + 1), percent(least)))
+        heading = f"All requirements are met {ranges_in_words(axis, result.windows)}"
         caption = "Between the values that were tried nothing is known: a finer step shows where a window ends."
         yield PageSection(heading, [Table(("window", "tried", "least P(success)"), rows, caption)])
     if good:
         text = (
-            f"{capitalised(tried(found))} are compared trial by trial on the same random numbers. One counts as good "
-            f"unless it {_WORSE[found.aim]} by more than chance, at 5 % for all together (Bonferroni)."
+            f"{capitalised(tried(result))} are compared trial by trial on the same random numbers. One counts as good "
+            f"unless it {_WORSE[result.aim]} by more than chance, at 5 % for all together (Bonferroni)."
         )
         more = "" if len(good) == 1 else f"; {len(good) - 1} more {'is' if len(good) == 2 else 'are'} as good"
-        best = place_in_words(found, found.best_cell or good[0])
-        yield PageSection(capitalised(f"{best} is the best{more}"), [text, _table(found, good)])
+        best = place_in_words(result, result.best_cell or good[0])
+        yield PageSection(capitalised(f"{best} is the best{more}"), [text, _table(result, good)])
 
 
-def _others(found: Exploration) -> Iterator[PageSection]:
+def _others(result: Exploration) -> Iterator[PageSection]:
     """Yield the front of what can be had, all cells of a few along one key, and what cannot be run."""
-    front = [cell for cell in found.cells if cell.on_front]
-    figure = front_figure(found)
+    front = [cell for cell in result.cells if cell.on_front]
+    figure = front_figure(result)
     if figure is not None and len(front) > 1:
-        heading = f"{len(front)} {tried(found)} trade success, energy and duration against each other"
+        heading = f"{len(front)} {tried(result)} trade success, energy and duration against each other"
         shown_above = all(cell.as_good for cell in front)
-        table = [] if shown_above else [_table(found, sorted(front, key=lambda cell: -cell.success.value))]
+        table = [] if shown_above else [_table(result, sorted(front, key=lambda cell: -cell.success.value))]
         yield PageSection(heading, [figure, *table])
-    few = len(found.axes) == 1 and len(found.cells) <= 5 * _MOST_ROWS
-    if few and not all(cell.as_good for cell in found.cells):
-        yield PageSection("All that was tried", [_table(found, found.cells)])
-    unrun = [cell for cell in found.cells if cell.reason]
+    few = len(result.axes) == 1 and len(result.cells) <= 5 * _MOST_ROWS
+    if few and not all(cell.as_good for cell in result.cells):
+        yield PageSection("All that was tried", [_table(result, result.cells)])
+    unrun = [cell for cell in result.cells if cell.reason]
     if unrun:
         first = {cell.reason: cell for cell in reversed(unrun)}
         count = Counter(cell.reason for cell in unrun)
-        rows = [(place_in_words(found, first[each]), str(count[each]), each) for each in list(count)[:_MOST_REASONS]]
+        rows = [
+            (place_in_words(result, first[reason]), str(count[reason]), reason)
+            for reason in list(count)[:_MOST_REASONS]
+        ]
         yield PageSection(
-            f"{len(unrun)} of {len(found.cells)} {tried(found)} cannot be run",
-            [Table(("for instance", tried(found), "reason"), rows, "All reasons are in explore.csv.", text_columns=3)],
+            f"{len(unrun)} of {len(result.cells)} {tried(result)} cannot be run",
+            [Table(("for instance", tried(result), "reason"), rows, "All reasons are in explore.csv.", text_columns=3)],
         )

@@ -140,8 +140,8 @@ class Exploration(Result):
     @property
     def windows(self) -> tuple[Window, ...]:
         """Ranges of the only axis in which all requirements are met; none where there are two, or no numbers."""
-        known = not any(cell.dropped for cell in self.cells)
-        return self._ranges([known and self.has_requirements and cell.meets_all for cell in self.cells])
+        is_complete = not any(cell.dropped for cell in self.cells)
+        return self._ranges([is_complete and self.has_requirements and cell.meets_all for cell in self.cells])
 
     @property
     def ranges_as_good(self) -> tuple[Window, ...]:
@@ -151,8 +151,8 @@ class Exploration(Result):
     def _ranges(self, has: Sequence[bool]) -> tuple[Window, ...]:
         if len(self.axes) != 1 or self.axes[0].numbers is None:
             return ()
-        starts = [i for i, each in enumerate(has) if each and (i == 0 or not has[i - 1])]
-        ends = [i for i, each in enumerate(has) if each and (i + 1 == len(has) or not has[i + 1])]
+        starts = [i for i, flag in enumerate(has) if flag and (i == 0 or not has[i - 1])]
+        ends = [i for i, flag in enumerate(has) if flag and (i + 1 == len(has) or not has[i + 1])]
         return tuple(Window(*span) for span in zip(starts, ends, strict=True))
 
     def values_of(self, cell: Cell) -> dict[str, str]:
@@ -186,8 +186,8 @@ class Exploration(Result):
         return [self._entry(cell) for cell in self.cells]
 
     def _entry(self, cell: Cell) -> dict[str, object]:
-        told = {"status": cell.status, "reason": cell.reason} if cell.reason else cell.summary()
-        return {"values": self.values_of(cell), **told}
+        summary = {"status": cell.status, "reason": cell.reason} if cell.reason else cell.summary()
+        return {"values": self.values_of(cell), **summary}
 
     def to_frame(self) -> pd.DataFrame:
         """One row per cell."""
@@ -246,16 +246,16 @@ def cell_of(place: tuple[int, ...], mission: Mission, trials: Trials, reason: st
     if LEFT_RECORD in trials and (left := _count(trials[LEFT_RECORD]).probability().value) > TOLERATED:
         return Cell(place, f"{100.0 * left:.3g} % of the trials leave the record of the current")
     met = [str(Counted.requirement(number)) for number in range(len(mission.requirements))]
-    own = {name: values for name, values in trials.items() if name not in (SUCCESS, LEFT_RECORD, *met)}
+    columns = {name: values for name, values in trials.items() if name not in (SUCCESS, LEFT_RECORD, *met)}
     return Cell(
         place=place,
         success=_count(trials[SUCCESS]).probability(),
         requirements=tuple(
-            requirement_outcome(mission, each, _count(trials[name]))
-            for name, each in zip(met, mission.requirements, strict=True)
+            requirement_outcome(mission, requirement, _count(trials[name]))
+            for name, requirement in zip(met, mission.requirements, strict=True)
         ),
-        quantities={name: statistic_of(values) for name, values in own.items() if values.dtype != bool},
-        events={name: _count(values).probability() for name, values in own.items() if values.dtype == bool},
+        quantities={name: statistic_of(values) for name, values in columns.items() if values.dtype != bool},
+        events={name: _count(values).probability() for name, values in columns.items() if values.dtype == bool},
         trials=trials[SUCCESS].size,
     )
 
@@ -299,12 +299,12 @@ def find_best(cells: Sequence[Cell], trials: Sequence[Trials], aim: Aim) -> Best
     if not any(cells[index].success.value for index in compared):
         return Best(_with_front(cells), None, constrained)
     best = min(compared, key=lambda index: rank(cells[index], column))
-    found = compare_with_best(
+    comparison = compare_with_best(
         [trials[index][column] for index in compared], compared.index(best), most=column == SUCCESS
     )
-    told = zip(compared, found.worse.tolist(), found.error.tolist(), found.as_good.tolist(), strict=True)
+    rows = zip(compared, comparison.worse.tolist(), comparison.error.tolist(), comparison.as_good.tolist(), strict=True)
     judged = {
-        index: replace(cells[index], worse=worse, worse_error=error, as_good=good) for index, worse, error, good in told
+        index: replace(cells[index], worse=worse, worse_error=error, as_good=good) for index, worse, error, good in rows
     }
     return Best(_with_front([judged.get(i, cell) for i, cell in enumerate(cells)]), best, constrained)
 

@@ -34,8 +34,8 @@ def parameter_levels(seen: Sequence[Seen], reports: Mapping[str, str] | None = N
 
     `seen`: what records have told. `reports`: names of the records by their hashes.
     """
-    found = series_of(seen)
-    return tuple(_told(series, reports or {}) for key, series in found.items() if key[2] == "strength")
+    by_key = series_of(seen)
+    return tuple(_told(series, reports or {}) for key, series in by_key.items() if key[2] == "strength")
 
 
 def _told(series: Series, reports: Mapping[str, str]) -> ParameterLevels:
@@ -44,8 +44,8 @@ def _told(series: Series, reports: Mapping[str, str]) -> ParameterLevels:
     mean, sd = levels.at(np.append(measured.times, then))
     numbers = zip(mean[:-1].tolist(), sd[:-1].tolist(), levels.jumps.tolist(), strict=True)
     missions = tuple(
-        Level(reports.get(each.record, each.record), each.date if math.isfinite(each.date) else None, *told)
-        for each, told in zip(series.records[-len(measured.times) :], numbers, strict=True)
+        Level(reports.get(seen.record, seen.record), seen.date if math.isfinite(seen.date) else None, *level)
+        for seen, level in zip(series.records[-len(measured.times) :], numbers, strict=True)
     )
     # measurements of one mission differ by chance as they do: χ² about their weighted means
     _, mission = np.unique(measured.times, return_inverse=True)
@@ -82,8 +82,8 @@ class _Report:
     @property
     def data(self) -> str:
         """Date of what it learned from, where that told of a level; else empty."""
-        own = hash_of(self.summary.get("learned_from"))
-        dates = [each.date for each in self.seen if each.record == own and math.isfinite(each.date)]
+        identity = hash_of(self.summary.get("learned_from"))
+        dates = [dataset.date for dataset in self.seen if dataset.record == identity and math.isfinite(dataset.date)]
         return datetime.fromtimestamp(dates[0], UTC).isoformat(timespec="seconds") if dates else ""
 
     @property
@@ -119,8 +119,8 @@ def history(folder: str | Path, *, mission: MissionOrPath | None = None) -> Hist
         copies = (*copies, "the mission's failure rates have all counts in them already")
     reports, foreign = _reports(root, needed=not rows)
     reports, notices = _counted_once(reports)
-    ordered_by = next((by for by in ("data", "start") if all(getattr(each, by) for each in reports)), "created")
-    reports.sort(key=lambda each: (*(_moment(getattr(each, by)) for by in (ordered_by, "created")), each.place))
+    ordered_by = next((by for by in ("data", "start") if all(getattr(report, by) for report in reports)), "created")
+    reports.sort(key=lambda report: (*(_moment(getattr(report, by)) for by in (ordered_by, "created")), report.place))
     entries, levels = _followed(reports, ordered_by)
     places = tuple(report.place for report in reports)
     provenance = Provenance(
@@ -145,11 +145,11 @@ def _followed(reports: Sequence[_Report], ordered_by: str) -> tuple[tuple[Learne
     entries = [entry for report in reports for entry in _learned(report, getattr(report, ordered_by))]
     # levels by all that the draws of reports have seen, each record once
     names = {hash_of(report.summary.get("learned_from")): report.place for report in reports}
-    levels = parameter_levels([each for report in reports for each in report.seen], names)
+    levels = parameter_levels([measurement for report in reports for measurement in report.seen], names)
     # what is told by a record before which its level jumped is changed
-    jumped = {(each.effect, each.name, level.record) for each in levels for level in each.jumps}
-    told = (replace(each, state="changed") if (*each.key, each.report) in jumped else each for each in entries)
-    return tuple(told), levels
+    jumped = {(parameter.effect, parameter.name, level.record) for parameter in levels for level in parameter.jumps}
+    learned = (replace(entry, state="changed") if (*entry.key, entry.report) in jumped else entry for entry in entries)
+    return tuple(learned), levels
 
 
 def _other_programs(reports: Sequence[_Report]) -> Iterator[str]:
@@ -171,8 +171,8 @@ def _reports(root: Path, *, needed: bool) -> tuple[list[_Report], tuple[str, ...
         words = "holds no report of diagnose (summary.json beside diagnosis.json) and no reliability.csv"
         raise InputError([Problem(words, str(root))])
     problems: list[Problem] = []
-    found = [attempted(partial(_read, place, root), problems) for place in places]
-    reports = [report for report in found if report is not None]
+    attempts = [attempted(partial(_read, place, root), problems) for place in places]
+    reports = [report for report in attempts if report is not None]
     if problems and not reports:
         raise InputError(problems)
     return reports, tuple(f"left out: {problem}" for problem in problems)
@@ -182,14 +182,14 @@ def _counted_once(reports: Sequence[_Report]) -> tuple[list[_Report], tuple[str,
     """Leave out reports that learned nothing new, or the same as one made later; name them and those that overlap."""
     kept: list[_Report] = []
     notices = []
-    for report in sorted(reports, key=lambda each: (_moment(each.created), each.place), reverse=True):
-        own = report.learned_from
-        same = next((other for other in kept if own is not None and other.learned_from == own), None)
-        if own == frozenset() or same is not None:
+    for report in sorted(reports, key=lambda report: (_moment(report.created), report.place), reverse=True):
+        hashes = report.learned_from
+        same = next((other for other in kept if hashes is not None and other.learned_from == hashes), None)
+        if hashes == frozenset() or same is not None:
             why = "nothing new" if same is None else f"the same data as {same.place}, which was made later"
             notices.append(f"{report.place} learned from {why}, and is left out")
             continue
-        shared = [(other, len(own & (other.learned_from or set()))) for other in kept] if own else []
+        shared = [(other, len(hashes & (other.learned_from or set()))) for other in kept] if hashes else []
         notices += [
             f"{report.place} and {other.place} learned from {count} legs, dives or runs in common, which count twice"
             for other, count in shared
@@ -224,13 +224,15 @@ def _read(place: Path, root: Path) -> _Report | None:
 
 def _can_be_told(summary: Mapping[str, object]) -> bool:
     """Whether every parameter of a summary has names and finite numbers."""
-    listed = [each for entry in mappings(summary["ranking"])[:1] for each in mappings(entry.get("parameters"))]
-    told = [(each, each) for each in listed]
-    told += [(each, mapping(each.get("posterior"))) for each in mappings(summary.get("confirmed"))]
+    listed = [
+        parameter for entry in mappings(summary["ranking"])[:1] for parameter in mappings(entry.get("parameters"))
+    ]
+    pairs = [(parameter, parameter) for parameter in listed]
+    pairs += [(parameter, mapping(parameter.get("posterior"))) for parameter in mappings(summary.get("confirmed"))]
     return all(
         all(isinstance(named.get(key), str) for key in ("effect", "name"))
         and all(math.isfinite(real(value.get(key))) for key in NUMBERS)
-        for named, value in told
+        for named, value in pairs
     )
 
 
@@ -244,15 +246,15 @@ def _learned(report: _Report, moment: str) -> Iterator[Learned]:
     summary = report.summary
     best = mappings(summary.get("ranking"))[:1] if summary.get("causes") else []
     # less than 1 where the diagnosis left a doubt
-    doubt = [each for each in mappings(summary.get("explanations")) if each.get("causes") == summary.get("causes")]
+    doubt = [odds for odds in mappings(summary.get("explanations")) if odds.get("causes") == summary.get("causes")]
     likely = real(doubt[0].get("probability")) if doubt else 1.0
-    for parameter in [each for entry in best for each in mappings(entry.get("parameters"))]:
-        known = summary.get("changed_effects")  # older reports do not name them
-        changed = bool(summary.get("changed")) and (not isinstance(known, list) or parameter["effect"] in known)
+    for parameter in [parameter for entry in best for parameter in mappings(entry.get("parameters"))]:
+        effects = summary.get("changed_effects")  # older reports do not name them
+        changed = bool(summary.get("changed")) and (not isinstance(effects, list) or parameter["effect"] in effects)
         yield _entry(report, moment, parameter, parameter, "changed" if changed else "found", likely)
-    for each in mappings(summary.get("confirmed")):
-        for value in mappings([each.get("posterior")]):
-            yield _entry(report, moment, each, value, "confirmed", real(each.get("probability", 1.0)))
+    for confirmed in mappings(summary.get("confirmed")):
+        for value in mappings([confirmed.get("posterior")]):
+            yield _entry(report, moment, confirmed, value, "confirmed", real(confirmed.get("probability", 1.0)))
 
 
 def _entry(

@@ -66,13 +66,15 @@ def _cells(history: History) -> Cells:
 
 def answer(history: History) -> str:
     """Say how many diagnoses there are, what changed last, and what held still; and what fails how often."""
-    told = [*ageing_in_words(history.levels, {})]
+    sentences = [*ageing_in_words(history.levels, {})]
     for rate in history.rates:
         leaving = f" that leave it {rate.leaves}" if rate.leaves else ""
         seen = f"{leaving}: {rate.failures:g} in {rate.exposure:g} {rate.unit}"
         unlike = ", unlike the mission's rate" if rate.surprise < SURPRISING else ""
-        told.append(f"Failures{seen}, {rate.rate:.2g} per {rate.per} ({rate.low:.2g} to {rate.high:.2g}){unlike}.")
-    return " ".join([*([_learned_in_words(history)] if history.reports else []), *told]) or "Nothing new was counted."
+        sentences.append(f"Failures{seen}, {rate.rate:.2g} per {rate.per} ({rate.low:.2g} to {rate.high:.2g}){unlike}.")
+    return (
+        " ".join([*([_learned_in_words(history)] if history.reports else []), *sentences]) or "Nothing new was counted."
+    )
 
 
 def _rate_rows(history: History) -> list[list[str]]:
@@ -95,7 +97,7 @@ def _learned_in_words(history: History) -> str:
     if not many:
         return f"{who} {learned} learned no parameter."
     words = f"{who} {tells} of {many} parameter{'' if many == 1 else 's'}."
-    unlike = [parameter_in_words(each.effect, each.name) for each in history.levels if each.agreement < UNLIKELY]
+    unlike = [parameter_in_words(level.effect, level.name) for level in history.levels if level.agreement < UNLIKELY]
     if unlike:
         words += f" Those of one date do not agree on the {listed(unlike)}: are they of one vehicle?"
         return f"{words} Give each its own folder."
@@ -104,18 +106,18 @@ def _learned_in_words(history: History) -> str:
 
 def _followed_in_words(history: History) -> str:
     """Say what changed, went elsewhere or held still, but for what is told of levels that jumped or drift."""
-    levels = {(each.effect, each.name) for each in history.levels if each.jumps or each.has_trend}
-    changes = [each for each in history.changes if each.key not in levels]
+    levels = {(level.effect, level.name) for level in history.levels if level.jumps or level.has_trend}
+    changes = [entry for entry in history.changes if entry.key not in levels]
     if changes:
-        told = "; ".join(f"{_named(each)} in {each.report}, to {_valued(each)}" for each in changes[-3:])
-        return f" Not as before: {told}."
+        words = "; ".join(f"{_named(entry)} in {entry.report}, to {_valued(entry)}" for entry in changes[-3:])
+        return f" Not as before: {words}."
     if history.changes:
         return ""
     followed = [entries for entries in history.parameters.values() if len(entries) > 1]
-    sure = [each for each in followed if each[-1].key not in levels and each[-1].probability >= SURE]
+    sure = [past for past in followed if past[-1].key not in levels and past[-1].probability >= SURE]
     if not sure:
         return "" if followed else " None was seen twice yet."
-    if moved := [f"{_named(each[0])} from {_valued(each[0])} to {_valued(each[-1])}" for each in sure if _moved(each)]:
+    if moved := [f"{_named(past[0])} from {_valued(past[0])} to {_valued(past[-1])}" for past in sure if _moved(past)]:
         return f" With time went {'; '.join(moved)}."
     last = max(sure, key=len)
     none = "No other" if levels else "None"
@@ -146,12 +148,12 @@ def _unit(entry: Learned) -> Unit:
 def _rows(history: History) -> list[list[str]]:
     rows = []
     for entries in history.parameters.values():
-        for each in entries:
-            unit = _unit(each)
-            interval = f"{unit(each.low):.3g} to {unit(each.high):.3g}{unit.suffix}"
-            doubt = f", if it is that ({part(each.probability)})" if each.probability < SURE else ""
-            state = f"{'changed' if each.is_change else each.state}{doubt}"
-            rows.append([_named(each), each.report, _valued(each), interval, state])
+        for entry in entries:
+            unit = _unit(entry)
+            interval = f"{unit(entry.low):.3g} to {unit(entry.high):.3g}{unit.suffix}"
+            doubt = f", if it is that ({part(entry.probability)})" if entry.probability < SURE else ""
+            state = f"{'changed' if entry.is_change else entry.state}{doubt}"
+            rows.append([_named(entry), entry.report, _valued(entry), interval, state])
     return rows
 
 
@@ -200,11 +202,11 @@ def draw_parameter(axes: Axes, history: History, entries: Sequence[Learned]) -> 
 
 def parameter(axes: Axes, history: History, effect: str = "") -> None:
     """Draw a parameter, by its effect and name as in ``compass-bias.angle``; by default that with most diagnoses."""
-    known = {f"{entries[0].effect}.{entries[0].name}": entries for entries in history.parameters.values()}
-    if not known:
+    parameters = {f"{entries[0].effect}.{entries[0].name}": entries for entries in history.parameters.values()}
+    if not parameters:
         raise InputError([Problem("the diagnoses tell of no parameter", key="plot")])
-    chosen = effect or max(known, key=lambda name: len(known[name]))
-    if chosen not in known:
-        problem = f"given {shown(effect)}, expected one of {', '.join(known)}"
-        raise InputError([Problem(problem, key="effect", hint=did_you_mean(str(effect), known))])
-    draw_parameter(axes, history, known[chosen])
+    chosen = effect or max(parameters, key=lambda name: len(parameters[name]))
+    if chosen not in parameters:
+        problem = f"given {shown(effect)}, expected one of {', '.join(parameters)}"
+        raise InputError([Problem(problem, key="effect", hint=did_you_mean(str(effect), parameters))])
+    draw_parameter(axes, history, parameters[chosen])

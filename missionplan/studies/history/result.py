@@ -122,10 +122,10 @@ class History(Result):
     @property
     def parameters(self) -> dict[tuple[str, str], list[Learned]]:
         """What was learned of each parameter, in the order of time."""
-        found: dict[tuple[str, str], list[Learned]] = {}
+        by_key: dict[tuple[str, str], list[Learned]] = {}
         for entry in self.entries:
-            found.setdefault(entry.key, []).append(entry)
-        return found
+            by_key.setdefault(entry.key, []).append(entry)
+        return by_key
 
     @property
     def changes(self) -> list[Learned]:
@@ -140,15 +140,15 @@ class History(Result):
     def to_frame(self) -> pd.DataFrame:
         """One row for what each diagnosis says of each parameter."""
         columns = [entry.key for entry in stated(Learned)]
-        return pd.DataFrame([each.row() for each in self.entries], columns=columns)
+        return pd.DataFrame([entry.row() for entry in self.entries], columns=columns)
 
     def files(self) -> dict[str, str | bytes]:
         """``history.csv``, ``history.json``, and ``reliability.yaml`` where failures were counted."""
-        found: dict[str, str | bytes] = {
+        contents: dict[str, str | bytes] = {
             "history.csv": to_csv(self.to_frame()),
             "history.json": to_json(self.summary()),
         }
-        return found | ({"reliability.yaml": self.rates_file} if self.rates_file else {})
+        return contents | ({"reliability.yaml": self.rates_file} if self.rates_file else {})
 
 
 FILE = "reliability.csv"
@@ -201,25 +201,25 @@ def _rows(text: str, file: str, problems: list[Problem]) -> Iterator[Row]:
         problems.append(Problem(f"lacks the column {missing[0]}; a log of failures has {', '.join(COLUMNS)}", file, 1))
         return
     for cells in reader:
-        found = {name: (cells.get(name) or "").strip() for name in (*COLUMNS, "leaves")}
-        counts = {name: _count(found[name]) for name in ("failures", "exposure")}
-        wrong = list(_problems(found, counts, file, reader.line_num))
+        texts = {name: (cells.get(name) or "").strip() for name in (*COLUMNS, "leaves")}
+        counts = {name: _count(texts[name]) for name in ("failures", "exposure")}
+        wrong = list(_problems(texts, counts, file, reader.line_num))
         problems += wrong
         if not wrong and counts["exposure"] > 0.0:
             digest = digest_of(dict(cells))
-            yield Row((found["per"], found["leaves"]), counts["failures"], counts["exposure"], digest)
+            yield Row((texts["per"], texts["leaves"]), counts["failures"], counts["exposure"], digest)
 
 
-def _problems(found: Mapping[str, str], counts: Mapping[str, float], file: str, line: int) -> Iterator[Problem]:
-    for name, known in (("per", get_args(Per)), ("leaves", ("", *get_args(Leaves)))):
-        if found[name] not in known:
-            message = f"{name}: given {shown(found[name])}, expected one of {', '.join(filter(None, known))}"
-            yield Problem(message, file, line, hint=did_you_mean(found[name], known))
+def _problems(texts: Mapping[str, str], counts: Mapping[str, float], file: str, line: int) -> Iterator[Problem]:
+    for name, choices in (("per", get_args(Per)), ("leaves", ("", *get_args(Leaves)))):
+        if texts[name] not in choices:
+            message = f"{name}: given {shown(texts[name])}, expected one of {', '.join(filter(None, choices))}"
+            yield Problem(message, file, line, hint=did_you_mean(texts[name], choices))
     for name, count in counts.items():
         if not 0.0 <= count < math.inf:
-            yield Problem(f"{name}: given {shown(found[name])}, expected a number from 0", file, line)
+            yield Problem(f"{name}: given {shown(texts[name])}, expected a number from 0", file, line)
     if counts["failures"] > 0.0 and counts["exposure"] == 0.0:
-        yield Problem(f"{found['failures']} failures in no exposure", file, line)
+        yield Problem(f"{texts['failures']} failures in no exposure", file, line)
 
 
 def _count(text: str) -> float:
@@ -245,14 +245,14 @@ def updated_rates(rows: Sequence[Row], mission: Mission | None) -> tuple[Failure
     if doubled := [key for key in keys if len(by_key.get(key, ())) > 1]:
         words = f"has two hazards per {doubled[0][0]} of which failures leave the same: counts cannot be parted"
         raise InputError([Problem(words, mission.file if mission else "", key="vehicle.reliability")])
-    found = []
+    rates = []
     for key in keys:
         prior = next(iter(by_key.get(key, ())), None)
-        known = set(prior.learned_from) if prior is not None else set()
-        fresh = [row for row in rows if row.key == key and row.digest not in known]
+        hashes = set(prior.learned_from) if prior is not None else set()
+        fresh = [row for row in rows if row.key == key and row.digest not in hashes]
         if fresh:
-            found.append(_updated(key, fresh, prior))
-    return tuple(found)
+            rates.append(_updated(key, fresh, prior))
+    return tuple(rates)
 
 
 def _updated(key: Key, rows: Sequence[Row], hazard: "Hazard[Quantity] | None") -> FailureRate:
@@ -293,10 +293,12 @@ def rates_file(rates: Sequence[FailureRate], mission: Mission | None) -> str:
     """Write `reliability.yaml`: every hazard of the mission, updated where it was counted, to be named by a vehicle."""
     vehicle = mapping(mapping(mission.raw if mission else {}).get("vehicle"))
     hazards_written = mappings(vehicle.get("reliability"))
-    written = [((str(each.get("per", "")), str(each.get("leaves") or "")), dict(each)) for each in hazards_written]
+    written = [
+        ((str(hazard.get("per", "")), str(hazard.get("leaves") or "")), dict(hazard)) for hazard in hazards_written
+    ]
     counted = {(rate.per, rate.leaves): rate for rate in rates}
-    sources = {key: str(each["source"]) for key, each in written if "source" in each}
-    hazards = [each for key, each in written if key not in counted]
+    sources = {key: str(hazard["source"]) for key, hazard in written if "source" in hazard}
+    hazards = [hazard for key, hazard in written if key not in counted]
     for key, rate in counted.items():
         seen = f"{rate.failures:g} failure{'s' * (rate.failures != 1.0)} in {rate.exposure:g} {rate.unit} of the fleet"
         hazards.append(

@@ -45,10 +45,10 @@ def identify_drag(data: TankData, settings: DragSettings) -> TankAnalysis:
     simple, richer = _fits(data, settings, force_sd, coefficients, middle)
     fits = preferred_first(simple, richer)
     best, per_force = fits[0], np.asarray(drag_coefficient(1.0, speed, area, density))
-    compared, found = _compared(data, settings), best["drag_coefficient"]
+    compared, coefficient = _compared(data, settings), best["drag_coefficient"]
     at = f" at Re {middle:.2g}" if best is richer else ""
     return TankAnalysis(
-        answer=f"The drag coefficient{at} is {found.value:.3f}{found.interval_in_words('.3f')}.",
+        answer=f"The drag coefficient{at} is {coefficient.value:.3f}{coefficient.interval_in_words('.3f')}.",
         fits=fits,
         panels=(
             FitPanel(

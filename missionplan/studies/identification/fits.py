@@ -165,8 +165,8 @@ class Identification(TankAnalysis, Result):
     def residuals(self) -> pd.DataFrame:
         """Data, preferred model and residuals of every panel."""
         columns = [
-            {"panel": each.name, "x": each.x, "y": each.y, "fitted": each.fitted, "residual": each.y - each.fitted}
-            for each in self.panels
+            {"panel": pane.name, "x": pane.x, "y": pane.y, "fitted": pane.fitted, "residual": pane.y - pane.fitted}
+            for pane in self.panels
         ]
         return pd.concat(map(pd.DataFrame, columns), ignore_index=True)
 
@@ -286,12 +286,12 @@ def _solution(name: str, misfit: Callable[[Array], Array], parameters: Sequence[
     if not (np.all((low <= start) & (start <= high)) and np.all(np.isfinite(misfit(start)))):
         raise RunError(f"{name}: the data are so large, so small or so uniform that no fit can start")
     try:
-        found = least_squares(misfit, start, bounds=(low, high), x_scale="jac", xtol=1e-12, ftol=1e-12, gtol=1e-12)
+        solution = least_squares(misfit, start, bounds=(low, high), x_scale="jac", xtol=1e-12, ftol=1e-12, gtol=1e-12)
     except (ValueError, np.linalg.LinAlgError) as error:  # residuals that are not finite on the way
         raise RunError(f"{name}: the fit failed ({error})") from error
-    if not found.success:
-        raise RunError(f"{name}: the fit did not converge ({found.message})")
-    return found
+    if not solution.success:
+        raise RunError(f"{name}: the fit did not converge ({solution.message})")
+    return solution
 
 
 def with_interval(name: str, symbol: str, unit: str, value: float, sd: float, quantile: float) -> IdentifiedParameter:

@@ -52,7 +52,9 @@ def _from_frequencies(data: TankData, settings: OscillationSettings) -> TankAnal
     answer = f"Added mass: {_masses_in_words(modes, estimates)}."
     if scale != 1.0:
         answer = f"Added mass of the vehicle, from a model at 1:{scale:g}: {_masses_in_words(modes, full_size)}."
-    unknown = dict.fromkeys(mode for mode, each in zip(modes, estimates, strict=True) if not math.isfinite(each.sd))
+    unknown = dict.fromkeys(
+        mode for mode, estimate in zip(modes, estimates, strict=True) if not math.isfinite(estimate.sd)
+    )
     if unknown:
         answer += f" Without a frequency_sd_hz its error is not known: {listed(list(unknown))}."
     panel = FitPanel(
@@ -84,10 +86,10 @@ def _from_frequencies(data: TankData, settings: OscillationSettings) -> TankAnal
 def _masses_in_words(modes: list[str], estimates: tuple[IdentifiedParameter, ...]) -> str:
     """Write each mode's added mass to two figures of its error, where it has one."""
     words = []
-    for mode, each in zip(modes, estimates, strict=True):
-        known = math.isfinite(each.sd) and each.sd > 0.0
-        decimals = max(0, 1 - math.floor(math.log10(each.sd))) if known else 0
-        value = f"{each.value:.{decimals}f} ± {each.sd:.{decimals}f}" if known else f"{each.value:.4g}"
+    for mode, estimate in zip(modes, estimates, strict=True):
+        has_error = math.isfinite(estimate.sd) and estimate.sd > 0.0
+        decimals = max(0, 1 - math.floor(math.log10(estimate.sd))) if has_error else 0
+        value = f"{estimate.value:.{decimals}f} ± {estimate.sd:.{decimals}f}" if has_error else f"{estimate.value:.4g}"
         words.append(f"{mode} {value} kg")
     return ", ".join(words)
 
@@ -221,7 +223,7 @@ def _physical(best: FittedModel, stiffness: float, mass: float) -> tuple[Identif
     total = stiffness / (2.0 * math.pi * frequency.value) ** 2
     slope = -2.0 * total / frequency.value
     shifted = scaled_estimate("added_mass", "m_ad", "kg", frequency, slope, total - mass - slope * frequency.value)
-    found = [shifted, scaled_estimate("linear_damping", "b", "kg/s", best["linear_rate"], 2.0 * total)]
+    estimates = [shifted, scaled_estimate("linear_damping", "b", "kg/s", best["linear_rate"], 2.0 * total)]
     if "quadratic_rate" in best:
-        found.append(scaled_estimate("quadratic_damping", "c", "kg/m", best["quadratic_rate"], total))
-    return tuple(found)
+        estimates.append(scaled_estimate("quadratic_damping", "c", "kg/m", best["quadratic_rate"], total))
+    return tuple(estimates)

@@ -149,7 +149,7 @@ def estimate_in_words(estimate: IdentifiedParameter) -> str:
 def _numbers_of(estimate: IdentifiedParameter) -> tuple[str, str, str, str]:
     """Write value, standard error, interval and unit."""
     value, sd, low, high = (
-        significant(each, estimate.sd) for each in (estimate.value, estimate.sd, estimate.low, estimate.high)
+        significant(number, estimate.sd) for number in (estimate.value, estimate.sd, estimate.low, estimate.high)
     )
     if not estimate.has_interval:
         return value, "not known", "none", estimate.unit

@@ -197,8 +197,8 @@ def identify_thruster(data: TankData, settings: ThrusterSettings) -> TankAnalysi
     thrust_sd = data.settings.noise.thrust
     fits = preferred_first(*_static_fits(command, thrust, thrust_sd, unit))
     best, line = fits[0], np.linspace(command.min(), command.max(), 200)
-    known = {estimate.name: estimate.value for estimate in best.estimates}
-    pull = bollard_pull(line, *(known.get(name, 0.0) for name in ("ahead", "astern", "deadband")))
+    by_name = {estimate.name: estimate.value for estimate in best.estimates}
+    pull = bollard_pull(line, *(by_name.get(name, 0.0) for name in ("ahead", "astern", "deadband")))
     panel = FitPanel(
         name="static-thrust",
         x_label="voltage [V]" if unit == "V" else "shaft rate [rev/s]",
@@ -239,8 +239,8 @@ def _static_fits(command: Array, thrust: Array, thrust_sd: float | None, unit: s
     every = [*parameters, deadband]
 
     def pull(values: Array) -> Array:
-        known = dict(zip([each.name for each in every], values, strict=False))
-        return np.asarray(bollard_pull(command, *(known.get(name, 0.0) for name in ("ahead", "astern", "deadband"))))
+        by_name = dict(zip([parameter.name for parameter in every], values, strict=False))
+        return np.asarray(bollard_pull(command, *(by_name.get(name, 0.0) for name in ("ahead", "astern", "deadband"))))
 
     simple = fit("quadratic thrust", pull, parameters, thrust, thrust_sd)
     return simple, fit("quadratic thrust with a deadband", pull, every, thrust, thrust_sd)

@@ -236,9 +236,9 @@ class SweepScenario:
 
     def sigma(self, index: int) -> float:
         """σ_v that labels a curve; of an anisotropic Σ_v the root mean of its variances [m/s]."""
-        own = self.navigation.velocity_error.covariance
-        given = self.sigmas[index]
-        return float(np.sqrt(0.5 * np.trace(own))) if given is None else given
+        covariance = self.navigation.velocity_error.covariance
+        sigma = self.sigmas[index]
+        return float(np.sqrt(0.5 * np.trace(covariance))) if sigma is None else sigma
 
     def plan(self, index: int, drawn: Scenario, speed_factor: float = 1.0) -> TransitPlan:
         """Build the plan of a curve from the draws of a block, at a factor times the transit's speed."""

@@ -104,25 +104,25 @@ class _RecordingCompensation(Compensation):
 
     @override
     def begin(self, trials: int) -> Memory:
-        own = self.inner.begin(trials) if self.inner else ()
-        return (np.zeros(trials), np.zeros((2, trials)), *own)
+        inner = self.inner.begin(trials) if self.inner else ()
+        return (np.zeros(trials), np.zeros((2, trials)), *inner)
 
     @override
     def offset(self, memory: Memory, leg: PlannedLeg) -> Array:
-        duration, short, *own = memory
+        duration, short, *inner = memory
         np.copyto(duration, leg.duration)
         if self.inner is None:
             return np.zeros((2, 1))
-        np.copyto(short, self.inner.undershoot(tuple(own), leg))
-        return self.inner.offset(tuple(own), leg)
+        np.copyto(short, self.inner.undershoot(tuple(inner), leg))
+        return self.inner.offset(tuple(inner), leg)
 
     @override
     def update(self, memory: Memory, leg: CompletedLeg) -> Memory:
-        duration, short, *own = memory
+        duration, short, *inner = memory
         moved = leg.duration > 0.0
         self.durations.append(duration[moved])
         self.squared_misses.append(np.sum((leg.miss + short)[:, moved] ** 2, axis=0))
-        return (duration, short, *(self.inner.update(tuple(own), leg) if self.inner else ()))
+        return (duration, short, *(self.inner.update(tuple(inner), leg) if self.inner else ()))
 
 
 def fit_leg_spread(scenario: SweepScenario, seed: int) -> LegSpread:
@@ -290,9 +290,9 @@ def _policies(
     if not best:
         raise ValueError(solved[-1])
     return [
-        (spread, each)
+        (spread, variant)
         for spread, table in best
-        for each in (table, *(replace_first_leg(table, transit.scenario.distance, length) for length in lengths))
+        for variant in (table, *(replace_first_leg(table, transit.scenario.distance, length) for length in lengths))
     ]
 
 

@@ -237,7 +237,7 @@ def _name(curve: SweepCurve) -> str:
 def _along_d_max(sweep: Sweep) -> Slider:
     """What each d_max comes to, for the control under the figure."""
 
-    def told(point: SweepPoint) -> str:
+    def point_in_words(point: SweepPoint) -> str:
         if not np.isfinite(point.cost):
             return "none arrives"
         cost = number(100.0 * point.cost, 100.0 * point.standard_error)
@@ -246,7 +246,7 @@ def _along_d_max(sweep: Sweep) -> Slider:
     points = sweep.middle.points
     texts = []
     for index, point in enumerate(points):
-        costs = "; ".join(f"{_name(curve)}: {told(curve.points[index])}" for curve in sweep.curves)
+        costs = "; ".join(f"{_name(curve)}: {point_in_words(curve.points[index])}" for curve in sweep.curves)
         texts.append(typeset(f"{length_in_words(point.d_max)}. {costs}."))
     places = [point.d_max_over_distance for point in points]
     return Slider("d_max", places, texts, places.index(sweep.middle.recommended.d_max_over_distance))

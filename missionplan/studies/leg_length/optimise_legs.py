@@ -70,9 +70,9 @@ DEADLINE_FAMILY = PolicyFamily()
 """Tables tried for a deadline."""
 
 
-def plans_of(found: FoundLegs) -> tuple[LegsAtSpeed, LegsAtSpeed]:
+def plans_of(legs: FoundLegs) -> tuple[LegsAtSpeed, LegsAtSpeed]:
     """Return the best fixed d_max, and the table, at their speed."""
-    return LegsAtSpeed(found.fixed_d_max, found.speed_factor), LegsAtSpeed(found.table, found.speed_factor)
+    return LegsAtSpeed(legs.fixed_d_max, legs.speed_factor), LegsAtSpeed(legs.table, legs.speed_factor)
 
 
 def optimise_legs(
@@ -99,10 +99,10 @@ def optimise_legs(
             transit = _at_best_speed(transit)
         if aim.name != "p95" and not obstacle:
             how_found = _EXACTLY_FOR_ENERGY if aim.name == "energy" else _EXACTLY
-            found = _optimised(transit, transit.best_fixed(), transit.best_table(), how_found)
-            pilots = run_plans(scenario, plans_of(found), seed, PILOT_BLOCK)  # the equation has no `max_legs`
+            legs = _optimised(transit, transit.best_fixed(), transit.best_table(), how_found)
+            pilots = run_plans(scenario, plans_of(legs), seed, PILOT_BLOCK)  # the equation has no `max_legs`
             if all(trials.arrived.mean() >= scenario.required_arrival for trials in pilots):
-                return found
+                return legs
         family, score, how_found = _family_of(aim, aim.required(scenario))
         d_max, table = search_policies(transit, family, score, seed, progress, workers)
         return _optimised(transit, d_max, table, how_found)
@@ -180,10 +180,10 @@ def _at_best_speed(transit: AnalyticTransit) -> AnalyticTransit:
     slowest, fastest = SPEED_RANGE
     low = max(slowest * scenario.speed, 1.5 * transit.spread.sigma)
     bounds = (low, fastest * scenario.speed)
-    found = scipy.optimize.minimize_scalar(
+    optimum = scipy.optimize.minimize_scalar(
         energy, bounds=bounds, method="bounded", options={"xatol": 0.02 * low, "maxiter": 12}
     )
-    return at_speed(float(found.x))[0]
+    return at_speed(float(optimum.x))[0]
 
 
 def _optimised(transit: AnalyticTransit, d_max: float, table: LegTable, how_found: str) -> FoundLegs:

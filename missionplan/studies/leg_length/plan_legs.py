@@ -134,11 +134,11 @@ def _judge(
         ran = run_plans(scenario, list(plans.values()), seed, block, block_size(trials, block), case=case)
         totals = [
             (
-                RunningStatistic.of(np.where(each.arrived, each.duration, np.nan)),
-                RunningStatistic.of(np.where(each.arrived, each.energy, np.nan)),
-                Count.of(each.arrived & (each.duration <= aim.deadline)),
+                RunningStatistic.of(np.where(run.arrived, run.duration, np.nan)),
+                RunningStatistic.of(np.where(run.arrived, run.energy, np.nan)),
+                Count.of(run.arrived & (run.duration <= aim.deadline)),
             )
-            for each in ran
+            for run in ran
         ]
         pairs = zip(merged, totals, strict=bool(merged))
         merged = [(one[0].merge(two[0]), one[1].merge(two[1]), one[2].merge(two[2])) for one, two in pairs] or totals
@@ -219,11 +219,11 @@ def plan_legs(
     best = optimise_legs(scenario, wanted, seed, progress=progress, workers=run.workers.quiet)
     task = PairedPlansTask(scenario, error_scenarios(scenario), *plans_of(best), run.trials, seed)
     cases = [
-        case for each, share in [(task, None), *_explained(task, run)] for case in _cases(each, share, run, wanted)
+        case for plans, share in [(task, None), *_explained(task, run)] for case in _cases(plans, share, run, wanted)
     ]
     candidates = compare_plans(scenario, wanted, best, run.trials, seed) if aim != "mean" else ()
     tracks = task.tracks()
-    members = [case for each, share in _members(task, run) for case in _cases(each, share, run)]
+    members = [case for plans, share in _members(task, run) for case in _cases(plans, share, run)]
     obstacle, notices = analytic_obstacle(scenario), run.mission.notices()
     if obstacle:
         words = "it uses the spread of legs in pilot trials of the mission, and only the trials show what the legs save"
@@ -262,31 +262,31 @@ def _deadline(scenario: SweepScenario) -> float:
 def _explained(task: PairedPlansTask, run: Run) -> Iterator[tuple[PairedPlansTask, float]]:
     """Yield the same plans under each explanation of the mission, with its probability."""
     for causes, probability, alone in run.under_explanations():
-        known = replace(SweepScenario.of(alone.mission), sigmas=(None,))
-        yield replace(task, scenario=known, cases=(replace(AS_PLANNED, name=label(causes)),)), probability
+        scenario = replace(SweepScenario.of(alone.mission), sigmas=(None,))
+        yield replace(task, scenario=scenario, cases=(replace(AS_PLANNED, name=label(causes)),)), probability
 
 
 def _members(task: PairedPlansTask, run: Run) -> Iterator[tuple[PairedPlansTask, float]]:
     """Yield the same plans in each member of the current's ensemble, with its probability."""
     means = task.scenario.means
     for name, probability, sailed, alone in run.in_members(means.recorded):
-        given = replace(task.scenario, means=replace(means, recorded=sailed))
+        scenario = replace(task.scenario, means=replace(means, recorded=sailed))
         cases = (replace(AS_PLANNED, name=name),)
-        yield replace(task, scenario=given, cases=cases, trials=alone.trials), probability
+        yield replace(task, scenario=scenario, cases=cases, trials=alone.trials), probability
 
 
 def _cases(task: PairedPlansTask, share: float | None, run: Run, aim: LegAim | None = None) -> tuple[LegCase, ...]:
     """Run every block of each case, and merge its blocks; add what the table gains by the aim ``p95``, where it is."""
     count, block_numbers = len(task.cases), range(block_count(task.trials))
     blocks = list(run.workers.run(task, [(n, block) for block in block_numbers for n in range(count)]))
-    found = []
+    cases = []
     for number, case in enumerate(task.cases):
-        found.append(_case(task, case, reduce(Moments.merge, blocks[number::count]), share))
+        cases.append(_case(task, case, reduce(Moments.merge, blocks[number::count]), share))
         if aim is not None and aim.name == "p95":
             plans = {"fixed": task.fixed, "table": task.adaptive}
             fixed, table = _judge(task.scenario, plans, aim, task.trials, task.seed, case)
             gain = table.value - fixed.value if np.isfinite(aim.deadline) else fixed.value - table.value
-            found[-1] = replace(
-                found[-1], late=MeanAndError(gain, float(np.hypot(fixed.standard_error, table.standard_error)))
+            cases[-1] = replace(
+                cases[-1], late=MeanAndError(gain, float(np.hypot(fixed.standard_error, table.standard_error)))
             )
-    return tuple(found)
+    return tuple(cases)

@@ -47,12 +47,12 @@ _APPROXIMATE = (
 def page(plan: LegPlan) -> Page:
     """Build the page of a plan of legs."""
     good = plan.reaches and works(plan.judged)
-    own, (head, unit) = plan.cases[0], saving_unit(plan)
-    costs = [(f"Mean cost of the best fixed d_max, {length_in_words(plan.fixed_d_max)}", own.fixed)]
-    costs = [("Mean cost of the table", own.adaptive), *costs] if plan.adapts else costs
+    case, (head, unit) = plan.cases[0], saving_unit(plan)
+    costs = [(f"Mean cost of the best fixed d_max, {length_in_words(plan.fixed_d_max)}", case.fixed)]
+    costs = [("Mean cost of the table", case.adaptive), *costs] if plan.adapts else costs
     numbers = [(name, with_error(it.cost, it.standard_error, PERCENT)) for name, it in costs]
     if plan.adapts:
-        saved = with_error(*own.saving_for(plan.aim), unit)
+        saved = with_error(*case.saving_for(plan.aim), unit)
         numbers.insert(0, (f"{head}, against the best fixed d_max", saved))
     return Page(
         title=f"Legs for {phase_in_words(plan.phase)}: {plan.provenance.mission}",
@@ -73,7 +73,7 @@ def _cells(plan: LegPlan) -> Cells:
         return shown.columns, shown.rows
     unit = reader_unit("m", float(plan.left.max()))
     rows = [
-        [unit.cell(each, ".1f") for each in (left, leg, max(left - leg, 0.0))]
+        [unit.cell(length, ".1f") for length in (left, leg, max(left - leg, 0.0))]
         for left, leg in zip(plan.left, plan.leg, strict=True)
     ]
     columns = [f"{what}{unit.axis}" for what in ("Distance left", "Leg", "Short of the target by")]
@@ -91,7 +91,7 @@ def _is_firm(plan: LegPlan) -> bool:
     explained = [case for case in plan.cases if case.probability is not None]
     gains = [case.saving_for(plan.aim)[0] > 0.0 for case in explained]
     if hangs_on_doubt(
-        plan.chosen.arrived, [(each.probability, each.good) for each in plan.arrivals], plan.required_arrival
+        plan.chosen.arrived, [(member.probability, member.good) for member in plan.arrivals], plan.required_arrival
     ):
         return False
     return first_do(plan.judged, plan.phase) is None and (all(gains) if plan.recommended else not explained)
@@ -130,11 +130,11 @@ def _choice(plan: LegPlan) -> str:
     lead = "Let the legs adapt" if _is_firm(plan) else f"{not_yet} legs that adapt are best"
     if plan.aim == "p95":
         return f"{lead}: {_slow_transits_in_words(plan, fixed)}"
-    own = plan.cases[0]
+    case = plan.cases[0]
     if plan.aim == "energy":
-        saved = with_error(*own.saving_for("energy"), WATT_HOURS)
+        saved = with_error(*case.saving_for("energy"), WATT_HOURS)
         return f"{lead}: they need {saved} less energy than {fixed}.{speed}"
-    saved = with_error(*own.saving_for("mean"), SECONDS if own.saved.mean < 120.0 else MINUTES)
+    saved = with_error(*case.saving_for("mean"), SECONDS if case.saved.mean < 120.0 else MINUTES)
     return f"{lead}: the transit then takes {saved} less on average than with {fixed}."
 
 
@@ -146,8 +146,8 @@ def _why_fixed(plan: LegPlan) -> str:
     if not plan.saves_enough:
         return f"{would_save}, no more than 1\u00a0% of the whole"
     if not plan.keeps_arrivals:
-        own = plan.cases[0]
-        return f"a table of legs would arrive less often, {share(own.adaptive.arrived)} of the time"
+        case = plan.cases[0]
+        return f"a table of legs would arrive less often, {share(case.adaptive.arrived)} of the time"
     doubts = " or with ".join(case.name for case in plan.losing)
     return f"{would_save} in the mission as planned, but save nothing or lose with {doubts}"
 
@@ -166,8 +166,8 @@ def _slow_transits_in_words(plan: LegPlan, fixed: str) -> str:
 
 
 def _speed_in_words(plan: LegPlan) -> str:
-    chosen, own = (plan.candidates[index].energy for index in (0, 1))
-    needs, needed = (with_error(energy.mean, energy.standard_error, WATT_HOURS) for energy in (chosen, own))
+    chosen, base = (plan.candidates[index].energy for index in (0, 1))
+    needs, needed = (with_error(energy.mean, energy.standard_error, WATT_HOURS) for energy in (chosen, base))
     lead = "Go at" if _is_firm(plan) else "The best speed is"
     return (
         f" {lead} {quantity(plan.speed, 'm/s', '.3g')}: with a fixed d_max that needs {needs}; at the mission's "
@@ -176,13 +176,13 @@ def _speed_in_words(plan: LegPlan) -> str:
 
 
 def _sections(plan: LegPlan) -> Iterator[PageSection]:
-    own = plan.cases[0]
+    case = plan.cases[0]
     if not plan.integral_applies:
         yield PageSection("Only the trials show what the legs cost", [_APPROXIMATE, trials_table(plan)])
     if plan.candidates:
         yield _candidates_section(plan)
     yield from members_section(plan.arrivals, "plan", "arrive (95 % interval)", _SAILED)
-    surfacings = f"The vehicle surfaces {number(own.fixed.surfacings, 0.02)} times on average"
+    surfacings = f"The vehicle surfaces {number(case.fixed.surfacings, 0.02)} times on average"
     if plan.recommended:  # a fixed d_max stands among what changes
         spread = f"σ_v = {with_error(plan.planned_sigma, 0.0, reader_unit('m/s', 0.0))}"
         if plan.base_spread > 0.0:
@@ -196,8 +196,8 @@ def _sections(plan: LegPlan) -> Iterator[PageSection]:
         )
         yield PageSection("What to write in the mission file", [words, _changes_as_written(plan)])
         surfacings = (
-            f"The vehicle surfaces {own.adaptive.surfacings:.2f} times on average with the table, "
-            f"{own.fixed.surfacings:.2f} times with the best fixed d_max"
+            f"The vehicle surfaces {case.adaptive.surfacings:.2f} times on average with the table, "
+            f"{case.fixed.surfacings:.2f} times with the best fixed d_max"
         )
     yield PageSection(surfacings, [tracks_figure(plan)])
     heading = "What the transit costs when the errors are not as planned"
@@ -207,10 +207,10 @@ def _sections(plan: LegPlan) -> Iterator[PageSection]:
             heading = "The table loses its advantage with " + ", or ".join(case.name for case in plan.losing)
     yield PageSection(heading, [*([cases_figure(plan)] if plan.adapts else []), cases_table(plan)])
     if plan.integral_applies:
-        compared = [(own.fixed, plan.fixed_cost), *([(own.adaptive, plan.expected_cost)] if plan.adapts else [])]
+        compared = [(case.fixed, plan.fixed_cost), *([(case.adaptive, plan.expected_cost)] if plan.adapts else [])]
         agree = all(abs(trials.cost - expected) <= 3.0 * trials.standard_error for trials, expected in compared)
-        known = all(np.isfinite(trials.standard_error) for trials, _ in compared)
-        differ = "differ by more than chance" if known else "cannot be compared"
+        is_known = all(np.isfinite(trials.standard_error) for trials, _ in compared)
+        differ = "differ by more than chance" if is_known else "cannot be compared"
         heading = f"Trials and integral equation {'agree' if agree else differ}"
         yield PageSection(heading, [trials_table(plan)])
 
@@ -234,9 +234,9 @@ def _changes_as_written(plan: LegPlan) -> Listing:
 
 def trials_table(plan: LegPlan) -> Table:
     """Tabulate what both plans cost in the trials, and by the integral equation where it covers the mission."""
-    own = plan.cases[0]
-    plans = [(f"fixed d_max {length_in_words(plan.fixed_d_max)}", own.fixed, plan.fixed_cost)]
-    plans += [("table of legs", own.adaptive, plan.expected_cost)] if plan.adapts else []
+    case = plan.cases[0]
+    plans = [(f"fixed d_max {length_in_words(plan.fixed_d_max)}", case.fixed, plan.fixed_cost)]
+    plans += [("table of legs", case.adaptive, plan.expected_cost)] if plan.adapts else []
     rows = [
         [name, with_error(it.cost, it.standard_error, PERCENT.bare), number(it.surfacings, 0.02), percent(it.arrived)]
         for name, it, _ in plans

@@ -77,7 +77,7 @@ class LegCase(Record):
     @property
     def saved_in_wh(self) -> Annotated[MeanAndError, Entry(unit="W h", key="energy_saving")]:
         """Mean energy that the table saves; null where the mission has no energy budget."""
-        return MeanAndError(*(each / JOULES_PER_WATT_HOUR for each in self.saved_energy))
+        return MeanAndError(*(value / JOULES_PER_WATT_HOUR for value in self.saved_energy))
 
     @property
     def gain_p95(self) -> Annotated[MeanAndError | None, Entry(optional=True)]:
@@ -245,8 +245,8 @@ class LegPlan(FoundLegs, Result):
     @property
     def keeps_arrivals(self) -> bool:
         """Whether the table arrives as often as required, or as the fixed d_max where that does not either."""
-        own = self.cases[0]
-        return own.adaptive.arrived.value >= min(self.required_arrival, own.fixed.arrived.value)
+        case = self.cases[0]
+        return case.adaptive.arrived.value >= min(self.required_arrival, case.fixed.arrived.value)
 
     @property
     def losing(self) -> tuple[LegCase, ...]:

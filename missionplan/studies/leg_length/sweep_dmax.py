@@ -98,22 +98,22 @@ def first_curve(mission: Mission, *, trials: int, seed: int) -> SweepCurve:
 
 def _sampled(run: Run, scenario: SweepScenario) -> dict[int, CellTotals]:
     """Run every block of every curve, and merge those of each curve."""
-    found: dict[int, CellTotals] = {}
+    curve_totals: dict[int, CellTotals] = {}
     # the largest sigma, as a rule the last, takes longest: it goes first, so that workers end together
     curves = range(len(scenario.sigmas))
     items = [(index, block) for block in range(block_count(run.trials)) for index in reversed(curves)]
     results = run.workers.run(partial(_block, scenario, run.trials, run.seed), items)
     for (index, _), totals in zip(items, results, strict=True):
-        found[index] = found[index].merge(totals) if index in found else totals
-    return found
+        curve_totals[index] = curve_totals[index].merge(totals) if index in curve_totals else totals
+    return curve_totals
 
 
 def _explained(sweep: Sweep, scenario: SweepScenario, run: Run) -> Iterator[ExplainedSweep]:
     """Run the middle curve under each explanation, with the same draws, beside what is recommended over all of them."""
     index = sweep.curves.index(sweep.middle)
     for causes, probability, alone in run.under_explanations():
-        known = replace(SweepScenario.of(alone.mission), sigmas=(scenario.sigmas[index],))
-        curve = _curve(known, 0, _sampled(alone, known)[0], ())
+        explained_scenario = replace(SweepScenario.of(alone.mission), sigmas=(scenario.sigmas[index],))
+        curve = _curve(explained_scenario, 0, _sampled(alone, explained_scenario)[0], ())
         yield ExplainedSweep(causes, probability, curve, curve.points[sweep.middle.recommended_index])
 
 
@@ -121,13 +121,13 @@ def _members(sweep: Sweep, scenario: SweepScenario, run: Run) -> Iterator[Member
     """Run what is recommended for the middle curve in each member of the current's ensemble."""
     index, means = sweep.curves.index(sweep.middle), scenario.means
     for name, probability, sailed, alone in run.in_members(means.recorded):
-        given = replace(
+        member_scenario = replace(
             scenario,
             means=replace(means, recorded=sailed),
             sigmas=(scenario.sigmas[index],),
             d_max=np.array([sweep.middle.recommended.d_max, scenario.distance]),
         )
-        point = _curve(given, 0, _sampled(alone, given)[0], ()).points[0]
+        point = _curve(member_scenario, 0, _sampled(alone, member_scenario)[0], ()).points[0]
         yield MemberOutcome(name, probability, point.arrived)
 
 
@@ -146,9 +146,9 @@ def _of_trials(totals: CellTotals, grid: int) -> tuple[int, Columns]:
     cost, reached = totals.cost, totals.cost.count > 0
     swept = totals.first(grid)
     best = swept.best()
-    known = {"cost": cost.mean, "standard_error": cost.standard_error, "surfacings": totals.surfacings.mean}
+    means = {"cost": cost.mean, "standard_error": cost.standard_error, "surfacings": totals.surfacings.mean}
     return best, {
-        **{name: np.where(reached, values, np.nan).tolist() for name, values in known.items()},
+        **{name: np.where(reached, values, np.nan).tolist() for name, values in means.items()},
         "sd": [value**0.5 for value in np.where(reached, cost.variance, np.nan).tolist()],
         "arrived": [wilson(int(n), int(n) + int(lost)) for n, lost in zip(cost.count, cost.missing, strict=True)],
         "excess_error": totals.difference_error(best).tolist(),
@@ -158,12 +158,12 @@ def _of_trials(totals: CellTotals, grid: int) -> tuple[int, Columns]:
 
 def _of_expectations(expectations: Analytic, grid: int) -> tuple[int, Columns]:
     """The same from the integral equation."""
-    costs, count = [each.cost for each in expectations], len(expectations)
+    costs, count = [expectation.cost for expectation in expectations], len(expectations)
     best = int(np.argmin(costs[:grid]))
     return best, {
         "cost": costs,
         "standard_error": [0.0] * count,
-        "surfacings": [each.surfacings for each in expectations],
+        "surfacings": [expectation.surfacings for expectation in expectations],
         "sd": [math.nan] * count,
         "arrived": [Probability(1.0, 1.0, 1.0)] * count,
         "excess_error": [0.0] * count,
@@ -178,7 +178,7 @@ def _curve(scenario: SweepScenario, index: int, sampled: CellTotals | None, anal
     lengths = [*scenario.d_max.tolist(), *([] if scenario.table is None else [math.nan])]
     columns["d_max"] = lengths
     columns["d_max_over_distance"] = [length / scenario.distance for length in lengths]
-    columns["cost_analytic"] = [each.cost for each in analytic] or [None] * len(lengths)
+    columns["cost_analytic"] = [expectation.cost for expectation in analytic] or [None] * len(lengths)
     points = [SweepPoint(**dict(zip(columns, values, strict=True))) for values in zip(*columns.values(), strict=True)]
     return SweepCurve(
         sigma=scenario.sigma(index),

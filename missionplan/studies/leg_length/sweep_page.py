@@ -97,9 +97,9 @@ def answer(sweep: Sweep) -> str:
         took = f"{arriving} of the trials arrive, and the mean time of the {arriving} that arrive is {time}"
     first = first_do(sweep.judged, sweep.phase)
     hangs = hangs_on_doubt(
-        chosen.arrived, [(each.probability, each.good) for each in sweep.members], curve.required_arrival
+        chosen.arrived, [(member.probability, member.good) for member in sweep.members], curve.required_arrival
     )
-    firm = first is None and not hangs and all(each.keeps_choice for each in sweep.explanations)
+    firm = first is None and not hangs and all(explanation.keeps_choice for explanation in sweep.explanations)
     settles = first or (f" first {what_would_tell(())};" if hangs else "")
     lead = "Choose" if firm else f"Nothing to choose yet:{settles} as the mission stands,"
     lead = f"{lead} d_max = {d_max}{'' if firm else ' is best'}"
@@ -110,28 +110,28 @@ def _doubt_in_words(sweep: Sweep) -> str:
     """Say whether what is in doubt changes the choice; nothing for a mission without doubts."""
     if not sweep.explanations:
         return ""
-    others = [each for each in sweep.explanations if not each.keeps_choice]
+    others = [explanation for explanation in sweep.explanations if not explanation.keeps_choice]
     if not others:
         return " Whichever explanation holds, this d_max is as good as the best for it, to 1\u00a0% of the time."
-    worst = max(others, key=lambda each: (not each.curve.reaches(each.chosen), each.excess))
-    own = f"with {label(worst.causes)} it is {length_in_words(worst.curve.recommended.d_max)}"
+    worst = max(others, key=lambda explanation: (not explanation.curve.reaches(explanation.chosen), explanation.excess))
+    best = f"with {label(worst.causes)} it is {length_in_words(worst.curve.recommended.d_max)}"
     loses = f"takes {100.0 * worst.excess:.0f}\u00a0% longer"
     if not worst.curve.reaches(worst.chosen):
         loses = f"arrives in {share(worst.chosen.arrived)} of the trials"
-    return f" But {own}, and the other {loses} then: first find out which explanation holds."
+    return f" But {best}, and the other {loses} then: first find out which explanation holds."
 
 
 def _explanation_section(sweep: Sweep) -> list[PageSection]:
     """Tabulate what is best under each explanation, and what the choice over all of them loses."""
     rows = [
         [
-            label(each.causes),
-            portion_in_words(each.probability, 1),
-            length_in_words(each.curve.recommended.d_max),
-            share(each.chosen.arrived),
-            f"{100.0 * each.excess:.1f}\u00a0%" if np.isfinite(each.excess) else "–",
+            label(explanation.causes),
+            portion_in_words(explanation.probability, 1),
+            length_in_words(explanation.curve.recommended.d_max),
+            share(explanation.chosen.arrived),
+            f"{100.0 * explanation.excess:.1f}\u00a0%" if np.isfinite(explanation.excess) else "–",
         ]
-        for each in sweep.explanations
+        for explanation in sweep.explanations
     ]
     columns = "explanation", "probability", "best d_max for it", "arrive with the choice", "time that the choice loses"
     note = "The middle curve again, with each explanation known to hold; the same random numbers."
@@ -270,7 +270,7 @@ def cost_table(sweep: Sweep) -> Table:
     costs = [f"Cost (%), σ_v {quantity(curve.sigma, 'm/s', '.3g')}" for curve in sweep.curves]
     rows = []
     for first, *others in ([curve.points[index] for curve in sweep.curves] for index in chosen):
-        own = [with_error(point.cost, point.standard_error, PERCENT.bare) for point in (first, *others)]
-        rows.append([f"{first.d_max_over_distance:.3f}", length_in_words(first.d_max), *own])
+        cells = [with_error(point.cost, point.standard_error, PERCENT.bare) for point in (first, *others)]
+        rows.append([f"{first.d_max_over_distance:.3f}", length_in_words(first.d_max), *cells])
     caption = f"{len(rows)} of {count} rows; all of them are in sweep.csv."
     return Table(["d_max / distance", "d_max", *costs], rows, caption)

@@ -98,10 +98,10 @@ def read_lattice(mission: Mission, texts: Sequence[str]) -> Lattice:
     Raises InputError with all that is wrong: nothing to choose, keys that the mission does not have, values that they
     cannot take.
     """
-    found = list(_of_options(mission, texts) if texts else _of_section(mission))
-    problems = [problem for each in found if isinstance(each, InputError) for problem in each.problems]
-    axes = [axis for axis in found if isinstance(axis, Axis)]
-    if not found:
+    attempts = list(_of_options(mission, texts) if texts else _of_section(mission))
+    problems = [problem for attempt in attempts if isinstance(attempt, InputError) for problem in attempt.problems]
+    axes = [axis for axis in attempts if isinstance(axis, Axis)]
+    if not attempts:
         place = key_path(_PLACE)
         problems.append(Problem("missing; what may be chosen", mission.file, key=place, hint=_EXAMPLE))
     keys = [key for axis in axes for key in axis.keys]
@@ -157,8 +157,8 @@ def _axis(mission: Mission, section: ChoiceSection) -> Axis:
     name = "+".join(section.all_keys)
     if section.choices:  # of vehicles the names of their files are read
         keys = tuple(known_key(mission, key, OPTION) for key in section.all_keys)
-        texts = [str(each) for each in section.choices]
-        if section.all_keys == ("vehicle",) and all(isinstance(each, str) for each in section.choices):
+        texts = [str(choice) for choice in section.choices]
+        if section.all_keys == ("vehicle",) and all(isinstance(choice, str) for choice in section.choices):
             return vehicles(mission, texts)
         if all(NUMBER.fullmatch(text) for text in texts):
             return read_axis(mission, f"{name}={','.join(texts)}")

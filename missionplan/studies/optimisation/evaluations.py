@@ -90,9 +90,9 @@ class Evaluations:
         todo = [point for point in dict.fromkeys(points) if (point, trials) not in self.kept]
         cells = [self.lattice.number(point) for point in todo]
         items = [(cell, *block) for cell in cells for block in sized_blocks(trials)]
-        found = cell_trials(self.task, items, cells, self.workers, self.store)
-        for point, each in zip(todo, found, strict=True):
-            self.kept[point, trials] = Evaluation(point, each.columns, each.reason)
+        samples = cell_trials(self.task, items, cells, self.workers, self.store)
+        for point, sample in zip(todo, samples, strict=True):
+            self.kept[point, trials] = Evaluation(point, sample.columns, sample.reason)
             self.spent += trials
         return [self.kept[point, trials] for point in points]
 
@@ -174,9 +174,9 @@ class Demand:
         inside = deviate - min(float(scipy.special.ndtri(self.required)), _SUREST)
         if self.side is not None:
             values = evaluation.columns[self.column].astype(float)
-            beyond, known = self._beyond(values), values[np.isfinite(values)]
+            beyond, numbers = self._beyond(values), values[np.isfinite(values)]
             if np.isfinite(beyond):
-                inside = -beyond / max(float(known.std()), 1e-3 * abs(self.limit), 1e-9)
+                inside = -beyond / max(float(numbers.std()), 1e-3 * abs(self.limit), 1e-9)
         inside = min(max(inside, -_DEEPEST), _DEEPEST)
         return max(inside, 1e-3) if slack >= 0.0 else min(inside, -1e-3)
 
@@ -202,10 +202,10 @@ class Demand:
         if self.side is None or evaluation.reason:
             return math.nan
         reached = self._outwards(evaluation.columns[self.column].astype(float))
-        known = int(np.isfinite(reached).sum())
-        if known < max(self.required * reached.size, 1):
+        count = int(np.isfinite(reached).sum())
+        if count < max(self.required * reached.size, 1):
             return math.nan
-        return self._sign * float(reached[min(successes_to_decide(self.required, reached.size), known) - 1])
+        return self._sign * float(reached[min(successes_to_decide(self.required, reached.size), count) - 1])
 
     def violation(self, evaluation: Evaluation) -> float:
         """Return how far a choice is from the demand: the probability that lacks, and the quantile beyond the bound.
@@ -221,12 +221,12 @@ class Demand:
 
 def demands_of(mission: Mission) -> tuple[Demand, ...]:
     """Return a mission's requirements as demands."""
-    found = []
+    demands = []
     for item in mission.requirements:
         column, unit = requirement_key(mission, item.quantity)
         side, limit = bound_of(item) or (None, math.nan)
-        found.append(Demand(item.quantity, column, side, limit * SCALES.get(unit or "", 1.0), item.probability))
-    return tuple(found)
+        demands.append(Demand(item.quantity, column, side, limit * SCALES.get(unit or "", 1.0), item.probability))
+    return tuple(demands)
 
 
 def violations(demands: Sequence[Demand], evaluation: Evaluation) -> list[float]:

@@ -114,9 +114,9 @@ class _Problem:
         search.widely()
         self._report(1)
         search.closely()
-        known = self.evaluations.best_known()
-        if all(each.reason for each in known):
-            reasons = list(dict.fromkeys(each.reason for each in known))[:3]
+        choices = self.evaluations.best_known()
+        if all(choice.reason for choice in choices):
+            reasons = list(dict.fromkeys(choice.reason for choice in choices))[:3]
             raise InputError([Problem(f"no choice tried can be run: {'; '.join(reasons)}", key="choose")])
         self._report(2)
         choice, checked, fresh = self._check(search)
@@ -181,12 +181,12 @@ class _Problem:
         return checked, fresh if is_good(fresh) else None
 
     def _nearest(self) -> Evaluation:
-        known = [each for each in self.evaluations.best_known() if not each.reason]
-        return min(known, key=lambda each: (sum(violations(self.demands, each)), each.cost(self.aim)))
+        choices = [choice for choice in self.evaluations.best_known() if not choice.reason]
+        return min(choices, key=lambda choice: (sum(violations(self.demands, choice)), choice.cost(self.aim)))
 
     def _relaxations(self, search: Search, choice: Evaluation) -> tuple[Relaxation, ...]:
         """Solve the problem again with each requirement relaxed, from what is known of it."""
-        found, column = [], AIM_COLUMNS[self.aim]
+        relaxations, column = [], AIM_COLUMNS[self.aim]
         base = self._best_of(search.closely(), self.demands) or choice
         for number, demand in enumerate(self.demands):
             relaxed = demand.relaxed()
@@ -198,51 +198,51 @@ class _Problem:
             if demand.side is None:
                 change = f"{100.0 * relaxed.required:g} % required instead of {100.0 * demand.required:g} %"
             values = self._values(best.point)
-            found.append(Relaxation(demand.quantity, change, gain, error if gain else 0.0, values))
-        return tuple(found)
+            relaxations.append(Relaxation(demand.quantity, change, gain, error if gain else 0.0, values))
+        return tuple(relaxations)
 
     def _best_of(self, ranked: Sequence[Evaluation], demands: Sequence[Demand]) -> Evaluation | None:
-        good = [each for each in ranked if is_feasible(demands, each)]
-        return min(good, key=lambda each: each.cost(self.aim), default=None)
+        good = [choice for choice in ranked if is_feasible(demands, choice)]
+        return min(good, key=lambda choice: choice.cost(self.aim), default=None)
 
     def _obstacles(self) -> tuple[Obstacle, ...]:
         """Find the requirements without which a choice would do, and how near one comes to each.
 
         Where dropping one requirement alone would not do: those that the choice that comes nearest misses.
         """
-        known = [each for each in self.evaluations.best_known() if not each.reason]
-        found = []
+        choices = [choice for choice in self.evaluations.best_known() if not choice.reason]
+        obstacles = []
         for number, demand in enumerate(self.demands):
             others = (*self.demands[:number], *self.demands[number + 1 :])
-            rest = [each for each in known if is_feasible(others, each) and each.trials >= FINE]
-            rest = rest or [each for each in known if is_feasible(others, each)]
+            rest = [choice for choice in choices if is_feasible(others, choice) and choice.trials >= FINE]
+            rest = rest or [choice for choice in choices if is_feasible(others, choice)]
             best = min(rest, key=demand.violation, default=None)
             if best is not None and demand.slack(best) < 0.0:
-                found.append(_obstacle(demand, best, alone=True))
+                obstacles.append(_obstacle(demand, best, alone=True))
         nearest = self._nearest()
         missed = [demand for demand in self.demands if demand.slack(nearest) < 0.0]
-        return tuple(found) or tuple(_obstacle(demand, nearest, alone=False) for demand in missed)
+        return tuple(obstacles) or tuple(_obstacle(demand, nearest, alone=False) for demand in missed)
 
     def _tried(self) -> tuple[Tried, ...]:
-        known = [each for each in self.evaluations.best_known() if not each.reason]
-        shares = [each.columns[SUCCESS].astype(float).mean() for each in known]
-        costs = np.array([[-s, e.cost("energy"), e.cost("duration")] for s, e in zip(shares, known, strict=True)])
-        many = max((each.trials for each in known), default=0)
-        costs[[each.trials < many for each in known]] = np.nan  # few trials would put luck on the front
+        choices = [choice for choice in self.evaluations.best_known() if not choice.reason]
+        shares = [choice.columns[SUCCESS].astype(float).mean() for choice in choices]
+        costs = np.array([[-s, e.cost("energy"), e.cost("duration")] for s, e in zip(shares, choices, strict=True)])
+        many = max((choice.trials for choice in choices), default=0)
+        costs[[choice.trials < many for choice in choices]] = np.nan  # few trials would put luck on the front
         costs[~np.isfinite(costs)] = np.nan
         front = pareto_front(costs)
         return tuple(
             Tried(
-                values=self._values(each.point),
-                success=Demand("total.success", SUCCESS, None, float("nan"), 0.0).probability(each),
-                energy=each.cost("energy"),
-                duration=each.cost("duration"),
-                slack={f"{of.quantity} {i + 1}": of.slack(each) for i, of in enumerate(self.demands)},
-                feasible=is_feasible(self.demands, each),
+                values=self._values(choice.point),
+                success=Demand("total.success", SUCCESS, None, float("nan"), 0.0).probability(choice),
+                energy=choice.cost("energy"),
+                duration=choice.cost("duration"),
+                slack={f"{of.quantity} {i + 1}": of.slack(choice) for i, of in enumerate(self.demands)},
+                feasible=is_feasible(self.demands, choice),
                 on_front=bool(on),
-                trials=each.trials,
+                trials=choice.trials,
             )
-            for each, on in zip(known, front, strict=True)
+            for choice, on in zip(choices, front, strict=True)
         )
 
 

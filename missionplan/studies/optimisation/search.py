@@ -69,13 +69,13 @@ class Search:
         self.evaluations.of([tuple(int(i) for i in point) for point in np.stack(points, axis=1)], COARSE)
         most = min(first + _MOST * keys, len(lattice))
         self._while_hopeful(rng, most)
-        found: list[Point] = []
+        starts: list[Point] = []
         better: set[Point] = set()
-        for each in sorted(self.evaluations.best_known(), key=self._by_rank):
-            if better.isdisjoint(self.evaluations.lattice.neighbours(each.point)):
-                found.append(each.point)
-            better.add(each.point)
-        for point in found[:_STARTS]:
+        for choice in sorted(self.evaluations.best_known(), key=self._by_rank):
+            if better.isdisjoint(self.evaluations.lattice.neighbours(choice.point)):
+                starts.append(choice.point)
+            better.add(choice.point)
+        for point in starts[:_STARTS]:
             self._descend(point)
         self._while_hopeful(rng, most)
 
@@ -86,16 +86,16 @@ class Search:
         """
         demands = self.demands if demands is None else demands
         rng = np.random.default_rng(self.seed)
-        known = sorted(self.evaluations.best_known(), key=lambda each: self._rank(each, demands, _DOUBT))
-        self.evaluations.of([each.point for each in known[:2]], FINE)
+        choices = sorted(self.evaluations.best_known(), key=lambda choice: self._rank(choice, demands, _DOUBT))
+        self.evaluations.of([choice.point for choice in choices[:2]], FINE)
         for _ in range(_MOST_FINE // 2):
             fine = {point for point, trials in self.evaluations.kept if trials == FINE}
             todo = self._most_hopeful(demands, rng, 2, fine)
             if not todo:
                 break
             self.evaluations.of(todo, FINE)
-        found = [each for (_, trials), each in self.evaluations.kept.items() if trials == FINE]
-        return sorted(found, key=lambda each: self._rank(each, demands, 0.0))
+        fine_choices = [choice for (_, trials), choice in self.evaluations.kept.items() if trials == FINE]
+        return sorted(fine_choices, key=lambda choice: self._rank(choice, demands, 0.0))
 
     def until_it_stands(self, refused: Collection[Point] = ()) -> list[Evaluation]:
         """Run the winner's neighbours, and every choice that may be better, until none is left that may.
@@ -110,35 +110,37 @@ class Search:
         while True:
             fine = {point for point, trials in self.evaluations.kept if trials == FINE}
             ranked = self._contenders(fine.difference(refused))
-            winner = next((each for each in ranked if is_feasible(self.demands, each)), None)
+            winner = next((choice for choice in ranked if is_feasible(self.demands, choice)), None)
             if winner is not None:
                 self.evaluations.of(list(self.evaluations.lattice.neighbours(winner.point)), COARSE)
-            rest = [each for each in self.evaluations.best_known() if each.point not in fine.union(refused)]
-            todo = [each for each in rest if self._may_beat(each, winner)]
+            rest = [choice for choice in self.evaluations.best_known() if choice.point not in fine.union(refused)]
+            todo = [choice for choice in rest if self._may_beat(choice, winner)]
             if not todo:
                 return ranked
-            self.evaluations.of([each.point for each in sorted(todo, key=self._by_rank)[:_AT_ONCE]], FINE)
+            self.evaluations.of([choice.point for choice in sorted(todo, key=self._by_rank)[:_AT_ONCE]], FINE)
 
     def _contenders(self, fine: Collection[Point]) -> list[Evaluation]:
-        known = sorted((self.evaluations.kept[point, FINE] for point in fine), key=lambda each: each.cost(self.aim))
-        sure = [each for each in known if is_feasible(self.demands, each)]
+        choices = sorted(
+            (self.evaluations.kept[point, FINE] for point in fine), key=lambda choice: choice.cost(self.aim)
+        )
+        sure = [choice for choice in choices if is_feasible(self.demands, choice)]
         least = sure[0].cost(self.aim) if sure else np.inf
         cheaper = [
-            each
-            for each in known
-            if not is_feasible(self.demands, each)
-            and is_feasible(self.demands, each, doubt=_DOUBT)
-            and each.cost(self.aim) < least
+            choice
+            for choice in choices
+            if not is_feasible(self.demands, choice)
+            and is_feasible(self.demands, choice, doubt=_DOUBT)
+            and choice.cost(self.aim) < least
         ]
         return [*cheaper[:_DOUBTFUL], *sure, *cheaper[_DOUBTFUL:]]
 
-    def _may_beat(self, each: Evaluation, winner: Evaluation | None) -> bool:
+    def _may_beat(self, choice: Evaluation, winner: Evaluation | None) -> bool:
         """Whether a choice with few trials may cost less than the winner, and meet the demands."""
-        may = is_feasible(self.demands, each, doubt=_DOUBT)
+        may = is_feasible(self.demands, choice, doubt=_DOUBT)
         if winner is None or not may:
             return may
         column = AIM_COLUMNS[self.aim]
-        worse, error, _ = paired_difference(winner.columns[column], each.columns[column], most=False)
+        worse, error, _ = paired_difference(winner.columns[column], choice.columns[column], most=False)
         return worse <= _DOUBT * error
 
     def _while_hopeful(self, rng: np.random.Generator, most: int) -> None:
@@ -162,8 +164,8 @@ class Search:
                 return
             point = best.point
 
-    def _by_rank(self, each: Evaluation) -> tuple[float, float]:
-        return self._rank(each, self.demands, _DOUBT)
+    def _by_rank(self, choice: Evaluation) -> tuple[float, float]:
+        return self._rank(choice, self.demands, _DOUBT)
 
     def _most_hopeful(
         self, demands: Sequence[Demand], rng: np.random.Generator, count: int, fine: set[Point]
@@ -172,43 +174,45 @@ class Search:
 
         Those of `fine`, and without them those tried at all, are not tried again.
         """
-        known = self.evaluations.best_known()
-        tried = fine or {each.point for each in known}
-        candidates = [point for point in self._candidates(known, demands, rng) if point not in tried]
+        choices = self.evaluations.best_known()
+        tried = fine or {choice.point for choice in choices}
+        candidates = [point for point in self._candidates(choices, demands, rng) if point not in tried]
         if not candidates:
             return []
-        judged = [each for each in known if each.point in fine] if fine else known
-        costs = [each.cost(self.aim) for each in judged if is_feasible(demands, each)]
+        judged = [choice for choice in choices if choice.point in fine] if fine else choices
+        costs = [choice.cost(self.aim) for choice in judged if is_feasible(demands, choice)]
         low = min(costs, default=np.inf)
         places, hope, least = self.evaluations.lattice.places(candidates)[0], np.ones(len(candidates)), 0.0
         if np.isfinite(low):
-            own, least = self._with_common_noise(known), _ENOUGH * abs(low)
-            costly = np.isfinite(own)
-            surface = self._surface(-1, [each for each, has in zip(known, costly, strict=True) if has], own[costly])
+            values, least = self._with_common_noise(choices), _ENOUGH * abs(low)
+            costly = np.isfinite(values)
+            surface = self._surface(
+                -1, [choice for choice, has in zip(choices, costly, strict=True) if has], values[costly]
+            )
             hope = expected_improvement(low, *surface.at(places))
             hopeful = hope > least  # a chance makes it less
-            candidates = [each for each, is_it in zip(candidates, hopeful, strict=True) if is_it]
+            candidates = [point for point, is_it in zip(candidates, hopeful, strict=True) if is_it]
             places, hope = places[hopeful], hope[hopeful]
         chance = np.zeros(len(candidates))
         for number, demand in enumerate(demands if candidates else ()):
-            margins = np.array([demand.margin(each) for each in known])
-            mean, spread = self._surface(number, known, margins).at(places)
+            margins = np.array([demand.margin(choice) for choice in choices])
+            mean, spread = self._surface(number, choices, margins).at(places)
             chance += scipy.special.log_ndtr(mean / np.maximum(spread, 1e-3))
         if not np.isfinite(low):
             chance -= chance.max()
         return self._apart(candidates, places, hope * np.exp(chance), count, least=least)
 
-    def _with_common_noise(self, known: Sequence[Evaluation]) -> Array:
+    def _with_common_noise(self, choices: Sequence[Evaluation]) -> Array:
         """Costs of choices, those with few trials moved by what more trials changed of the others, on average."""
-        costs = np.array([each.cost(self.aim) for each in known])
+        costs = np.array([choice.cost(self.aim) for choice in choices])
         kept = self.evaluations.kept
         moved = [
-            each.cost(self.aim) - kept[each.point, COARSE].cost(self.aim)
-            for each in known
-            if each.trials == FINE and (each.point, COARSE) in kept
+            choice.cost(self.aim) - kept[choice.point, COARSE].cost(self.aim)
+            for choice in choices
+            if choice.trials == FINE and (choice.point, COARSE) in kept
         ]
         moved = [move for move in moved if np.isfinite(move)]
-        few = np.array([each.trials < FINE for each in known])
+        few = np.array([choice.trials < FINE for choice in choices])
         return costs + np.where(few, float(np.mean(moved)) if moved else 0.0, 0.0)
 
     def _apart(
@@ -226,26 +230,26 @@ class Search:
             hope[index] = -1.0
         return chosen
 
-    def _surface(self, number: int, known: Sequence[Evaluation], values: Array) -> Kriging:
+    def _surface(self, number: int, choices: Sequence[Evaluation], values: Array) -> Kriging:
         """Draw a surface through a value of some choices, from where the last fit of the same value ended."""
-        places, axis = self.evaluations.lattice.places([each.point for each in known])
+        places, axis = self.evaluations.lattice.places([choice.point for choice in choices])
         self.fits[number] = Kriging.fitted(places, axis, values, self.fits.get(number))
         return self.fits[number]
 
     def _candidates(
-        self, known: Sequence[Evaluation], demands: Sequence[Demand], rng: np.random.Generator
+        self, choices: Sequence[Evaluation], demands: Sequence[Demand], rng: np.random.Generator
     ) -> list[Point]:
         """All choices, or of many some at random and the neighbours of the best known."""
         lattice = self.evaluations.lattice
         if len(lattice) <= _CANDIDATES:
             return [tuple(int(i) for i in np.unravel_index(number, lattice.shape)) for number in range(len(lattice))]
         drawn = rng.integers(0, lattice.shape, (_CANDIDATES, len(lattice.shape)))
-        best = sorted(known, key=lambda each: self._rank(each, demands, _DOUBT))[:_NEIGHBOURED]
-        near = [point for each in best for point in (each.point, *lattice.neighbours(each.point))]
+        best = sorted(choices, key=lambda choice: self._rank(choice, demands, _DOUBT))[:_NEIGHBOURED]
+        near = [point for choice in best for point in (choice.point, *lattice.neighbours(choice.point))]
         return list(dict.fromkeys([*near, *(tuple(int(i) for i in point) for point in drawn)]))
 
-    def _rank(self, each: Evaluation, demands: Sequence[Demand], doubt: float) -> tuple[float, float]:
+    def _rank(self, choice: Evaluation, demands: Sequence[Demand], doubt: float) -> tuple[float, float]:
         """Order: feasible choices by their cost, then the others by how far they are from the demands."""
-        if is_feasible(demands, each, doubt=doubt):
-            return 0.0, each.cost(self.aim)
-        return sum(violations(demands, each)) + 1e-12, each.cost(self.aim)
+        if is_feasible(demands, choice, doubt=doubt):
+            return 0.0, choice.cost(self.aim)
+        return sum(violations(demands, choice)) + 1e-12, choice.cost(self.aim)

@@ -148,15 +148,15 @@ def _causes(
     usual: Mapping[str, Array],
     units: Mapping[str, str],
 ) -> tuple[Cause, ...]:
-    found = []
+    causes = []
     for source, values in inputs.items():
         drawn = chosen & np.isfinite(values)
         before = usual[source][np.isfinite(usual[source])]
         if before.size < 2 or weights[drawn].sum() < 0.5 * weights[chosen].sum() or not np.std(before) > 0.0:
             continue
         mean = float(np.average(values[drawn], weights=weights[drawn]))
-        found.append(Cause(source, mean, float(np.mean(before)), float(np.std(before)), units[source]))
-    unusual = [cause for cause in found if abs(cause.shift) >= LEAST_SHIFT]
+        causes.append(Cause(source, mean, float(np.mean(before)), float(np.std(before)), units[source]))
+    unusual = [cause for cause in causes if abs(cause.shift) >= LEAST_SHIFT]
     return tuple(sorted(unusual, key=lambda cause: -abs(cause.shift))[:MOST_CAUSES])
 
 
@@ -226,24 +226,24 @@ def find_rare_failure(
         means = replace(means, place=replace(means.place, is_measured=True))
     driven, indices, usual = _with_ways(means, wanted, seed)
     most = MAX_TRIALS if trials is None else trials
-    parts, known = strata(discrete_values(mission, means)), usual.failed / PLAIN_TRIALS
-    found = find(
-        FailureSearch(driven, parts, indices, seed, driven.describe, known=known),
+    parts, plain_share = strata(discrete_values(mission, means)), usual.failed / PLAIN_TRIALS
+    search = find(
+        FailureSearch(driven, parts, indices, seed, driven.describe, known=plain_share),
         run.workers.quiet.run,
         variation=aim,
         most_trials=most - PLAIN_TRIALS,
-        told=lambda done: progress(min(PLAIN_TRIALS + done, most), most) if progress is not None else None,
+        progress=lambda done: progress(min(PLAIN_TRIALS + done, most), most) if progress is not None else None,
     )
     options = {"rare": event, "trials": trials, "jobs": jobs, "backend": backend, "precision": precision}
     notices = input_notices(mission, means)
-    if not found.batches:
+    if not search.batches:
         words = "what leads to it may be a thing whose margin is not known (docs/rare-failures.md)."
         notices = (*notices, f"No failure was found: {words}")
-    elif found.cut and found.estimate.variation > aim:
+    elif search.cut and search.estimate.variation > aim:
         asked_for = f"The coefficient of variation asked for, {100.0 * aim:g} %, was not reached"
         notices = (*notices, f"{asked_for}: it takes more trials.")
-    provenance = run.provenance(options, notices, trials=PLAIN_TRIALS + found.trials)
-    return _result(provenance, mission, wanted, driven.ways, found, usual)
+    provenance = run.provenance(options, notices, trials=PLAIN_TRIALS + search.trials)
+    return _result(provenance, mission, wanted, driven.ways, search, usual)
 
 
 def _with_ways(means: Scenario, event: RareEvent, seed: int) -> tuple[DrivenMission, ReliabilityIndices, _Usual]:
@@ -251,10 +251,10 @@ def _with_ways(means: Scenario, event: RareEvent, seed: int) -> tuple[DrivenMiss
     driven = DrivenMission(means, event)
     population = NormalPopulation(PLAIN_TRIALS, stream(seed, "rare failure, plain", 0))
     scenario, trials = driven.run(StrataView(population), inputs=True)
-    found = margins(event, trials, scenario)
-    found = {way: values for way, values in found.items() if not np.isposinf(values).all()}
-    driven = replace(driven, ways=tuple(found))
-    plain = driven.margins_of(trials, found)
+    by_way = margins(event, trials, scenario)
+    by_way = {way: values for way, values in by_way.items() if not np.isposinf(values).all()}
+    driven = replace(driven, ways=tuple(by_way))
+    plain = driven.margins_of(trials, by_way)
     fails_by = plain.fails_by
     without = plain.failed & ~fails_by.any(axis=0)
     # where any failure counts, a way may have no margin; energy, ground, zones and equipment have one where possible
@@ -277,40 +277,40 @@ def _result(
     mission: Mission,
     event: RareEvent,
     ways: Sequence[str],
-    found: Found[FailingTrials],
+    search: Found[FailingTrials],
     usual: _Usual,
 ) -> RareFailure:
-    described = [batch.described for batch in found.batches]
+    described = [batch.described for batch in search.batches]
     probability = wilson(usual.failed, PLAIN_TRIALS)
-    if found.batches:
-        probability = Probability(found.estimate.value, found.estimate.low, found.estimate.high)
-    weights = np.concatenate([each.weights for each in described]) if described else np.empty(0)
-    steps = np.concatenate([each.steps for each in described]) if described else np.empty(0, dtype=str)
+    if search.batches:
+        probability = Probability(search.estimate.value, search.estimate.low, search.estimate.high)
+    weights = np.concatenate([trials.weights for trials in described]) if described else np.empty(0)
+    steps = np.concatenate([trials.steps for trials in described]) if described else np.empty(0, dtype=str)
     names = tuple(described[0].columns) if described else ()
-    columns = {name: np.concatenate([each.columns[name] for each in described]) for name in names}
+    columns = {name: np.concatenate([trials.columns[name] for trials in described]) for name in names}
     inputs = {name: np.asarray(columns[name], dtype=float) for name in (described[0].inputs if described else ())}
     return RareFailure(
         provenance=provenance,
         event=event.text,
         probability=probability,
-        variation=found.estimate.variation,
-        repetitions=sum(batch.counted.size for batch in found.batches),
-        levels=max(each.levels for each in found.screened),
+        variation=search.estimate.variation,
+        repetitions=sum(batch.counted.size for batch in search.batches),
+        levels=max(screening.levels for screening in search.screened),
         reached=weights.size > 0,
-        nearest=max(each.nearest for each in found.screened),
-        ways=_ways(ways, found, usual),
+        nearest=max(screening.nearest for screening in search.screened),
+        ways=_ways(ways, search, usual),
         modes=failure_modes(weights, steps, inputs, usual.inputs, units_of_inputs(mission, inputs)),
         sample=_sample(weights, steps, columns, provenance.seed),
     )
 
 
-def _ways(ways: Sequence[str], found: Found[FailingTrials], usual: _Usual) -> tuple[WayDriven, ...]:
+def _ways(ways: Sequence[str], search: Found[FailingTrials], usual: _Usual) -> tuple[WayDriven, ...]:
     """Put together what is known of each way to fail, over all strata; those without a margin by plain trials."""
     driven = []
     for number, way in enumerate((*ways, "")):
-        nearest = max(each.nearest for each in found.screened if each.part.way == number)
+        nearest = max(screening.nearest for screening in search.screened if screening.part.way == number)
         bound = wilson(int(usual.failed_by[number]), PLAIN_TRIALS).high
-        driven.append(WayDriven(way, found.probability(number), nearest, bound))
+        driven.append(WayDriven(way, search.probability(number), nearest, bound))
     for way, count in usual.failed_without.items():
         driven.append(WayDriven(way, count / PLAIN_TRIALS, 1.0, wilson(count, PLAIN_TRIALS).high))
     return tuple(driven)

@@ -72,11 +72,11 @@ class RareEvent:
         Raises InputError when the mission has no such quantity, the limit cannot be read, or the event is no failure.
         """
         text = " ".join(text.split())
-        found = _FORM.fullmatch(text)
-        if found is None:
+        match = _FORM.fullmatch(text)
+        if match is None:
             raise _wrong(text, "expected an event or a quantity with its limit")
-        sign, limit, negated = found["sign"], found["limit"], found["negated"] is not None
-        quantity = resolved_path(found["quantity"], [phase.label for phase in mission.phases], with_sections=False)
+        sign, limit, negated = match["sign"], match["limit"], match["negated"] is not None
+        quantity = resolved_path(match["quantity"], [phase.label for phase in mission.phases], with_sections=False)
         text = f"{quantity} {sign} {limit}" if sign else f"{'not ' * negated}{quantity}"
         try:
             unit = quantity_unit(quantity, mission.phases)
@@ -128,19 +128,21 @@ def margins(event: RareEvent, trials: MissionTrials, scenario: Scenario) -> dict
     if event.is_quantity:
         values = np.asarray(trials.columns()[event.key], dtype=float)
         return {event.text: event.sign * (event.limit - values)}
-    found: dict[str, Array] = {}
+    by_way: dict[str, Array] = {}
     spent: Scalars = 0.0
     for phase, done in zip(scenario.drawn.phases, trials.phases, strict=True):
         spent = spent + done.quantities["energy_wh"] if "energy_wh" in done.quantities else spent
-        own = dict(_of_phase(phase, done, scenario, spent))
+        by_reason = dict(_of_phase(phase, done, scenario, spent))
         ends_here = phase.name == event.phase
-        chosen = _REASONS.get(event.name, ()) if ends_here else tuple(own) if event.negated else ()
-        found |= {
-            str(Counted(CountedKind.FAILURE, phase.name, reason)): own[reason] for reason in chosen if reason in own
+        chosen = _REASONS.get(event.name, ()) if ends_here else tuple(by_reason) if event.negated else ()
+        by_way |= {
+            str(Counted(CountedKind.FAILURE, phase.name, reason)): by_reason[reason]
+            for reason in chosen
+            if reason in by_reason
         }
         if ends_here:
             break
-    return found
+    return by_way
 
 
 def _of_phase(
@@ -154,15 +156,17 @@ def _of_phase(
         used = done.quantities["surfacings"] + np.minimum(done.quantities["arrival_error_m"] / done.radius, 1.0)
         yield _NOT_ARRIVED, scenario.navigation.max_legs + 1.0 - used
     elif isinstance(phase, MoorPhase):
-        found = done.quantities
-        yield Failure.TOO_LIGHT, found["terminal_velocity_m_s"]
-        yield _OUTSIDE, done.radius - found["offset_m"]
-        yield _STRUCK, found["lowest_altitude_m"]
-        yield _DRAGGED, found["holding_margin"]
-        yield _GROUNDED, found["nose_altitude_m"]
+        quantities = done.quantities
+        yield Failure.TOO_LIGHT, quantities["terminal_velocity_m_s"]
+        yield _OUTSIDE, done.radius - quantities["offset_m"]
+        yield _STRUCK, quantities["lowest_altitude_m"]
+        yield _DRAGGED, quantities["holding_margin"]
+        yield _GROUNDED, quantities["nose_altitude_m"]
         strength = line_strength(phase)
         if strength is not None:
-            tension = np.fmax(found["line_tension_n"], found.get("snatch_tension_n", found["line_tension_n"]))
+            tension = np.fmax(
+                quantities["line_tension_n"], quantities.get("snatch_tension_n", quantities["line_tension_n"])
+            )
             yield Failure.LINE_PARTED, strength - tension
     left = scenario.capacity / JOULES_PER_WATT_HOUR - spent
     if np.all(np.isfinite(scenario.capacity)):
@@ -240,10 +244,10 @@ class DrivenMission:
         scenario, trials = self.run(population)
         return self.margins_of(trials, margins(self.event, trials, scenario))
 
-    def margins_of(self, trials: MissionTrials, found: Mapping[str, Array]) -> TrialMargins:
+    def margins_of(self, trials: MissionTrials, by_way: Mapping[str, Array]) -> TrialMargins:
         """Put the margins of trials in the order of the ways."""
         failed = self.event.happens(trials.columns())
-        return TrialMargins(np.array([found[way] for way in self.ways]).reshape(len(self.ways), failed.size), failed)
+        return TrialMargins(np.array([by_way[way] for way in self.ways]).reshape(len(self.ways), failed.size), failed)
 
     def describe(self, population: StrataView, weights: Array) -> FailingTrials:
         """Run trials that fail again, and keep what was drawn in them and what came of it."""
@@ -265,7 +269,7 @@ def discrete_values(mission: Mission, means: Scenario) -> dict[Key, Sequence[Dis
     Those that are correlated with others are left out: their normals are mixed with the others' before they are drawn.
     """
     mixed = {name for pair in mission.correlated for name in pair.between}
-    found: dict[Key, Sequence[DiscreteValue]] = {
+    values: dict[Key, Sequence[DiscreteValue]] = {
         (means.stream_of(path), 0): [
             DiscreteValue(path, f"{value:g}", interval) for value, interval in quantity.intervals.items()
         ]
@@ -277,25 +281,25 @@ def discrete_values(mission: Mission, means: Scenario) -> dict[Key, Sequence[Dis
         share = anchor.premature_flooding
         for moor in mission.moors:
             path = f"{moor.name}.premature_flooding"
-            found[path, 0] = [DiscreteValue(path, "yes", (0.0, share)), DiscreteValue(path, "no", (share, 1.0))]
+            values[path, 0] = [DiscreteValue(path, "yes", (0.0, share)), DiscreteValue(path, "no", (share, 1.0))]
     if isinstance(means.recorded, Ensemble) and means.recorded.given is None:
         ends = np.minimum(np.cumsum([0.0, *means.recorded.weights]), 1.0)
         ends[-1] = 1.0
-        found[_by_leg(MEMBER), 0] = [
+        values[_by_leg(MEMBER), 0] = [
             DiscreteValue(MEMBER, str(number), (float(ends[number]), float(ends[number + 1])))
             for number in range(len(ends) - 1)
         ]
-    return found
+    return values
 
 
 def units_of_inputs(mission: Mission, names: Iterable[str]) -> dict[str, str]:
     """SI units of what was drawn, by name: as the mission's keys declare it, or of what is summed up over legs."""
-    found = {}
+    units = {}
     for name in names:
         of_legs, _, side = name.rpartition(".")
         summed = UNITS_OF_LEGS.get(of_legs.rpartition(".")[2]) if side in SIDES else None
-        found[name] = summed or unit_of(name, mission.raw, type(mission))
-    return found
+        units[name] = summed or unit_of(name, mission.raw, type(mission))
+    return units
 
 
 VARIATION = 0.1

@@ -15,42 +15,42 @@ _FAILS = "not total.success"
 _DEGREES = Unit("°", math.radians(1.0))
 
 
-def page(found: RareFailure) -> Page:
+def page(risk: RareFailure) -> Page:
     """Build the page of a rare failure."""
-    made = found.provenance
+    made = risk.provenance
     asked = {name: made.options.get(name) for name in ("trials", "precision")}
     return Page(
-        title=f"Rare failure: {found.provenance.mission or found.provenance.file}",
-        answer=answer(found),
-        numbers=_numbers(found),
-        write=lambda: [*_how(found), *_driven(found), *_precision(found)],
-        rerun=typed("simulate", made.file, rare=found.event, seed=made.seed, **asked),
-        table=lambda: _cells(found),
+        title=f"Rare failure: {risk.provenance.mission or risk.provenance.file}",
+        answer=answer(risk),
+        numbers=_numbers(risk),
+        write=lambda: [*_how(risk), *_driven(risk), *_precision(risk)],
+        rerun=typed("simulate", made.file, rare=risk.event, seed=made.seed, **asked),
+        table=lambda: _cells(risk),
         plots={"failures": failures},
     )
 
 
-def _cells(found: RareFailure) -> Cells:
-    rows = [(_way(mode), portion_in_words(mode.share)) for mode in found.modes]
-    is_failure = any(mode.step for mode in found.modes)
+def _cells(risk: RareFailure) -> Cells:
+    rows = [(_way(mode), portion_in_words(mode.share)) for mode in risk.modes]
+    is_failure = any(mode.step for mode in risk.modes)
     return ("way to fail" if is_failure else "in", "of all of these"), rows
 
 
-def answer(found: RareFailure) -> str:
+def answer(risk: RareFailure) -> str:
     """Write how probable the failure is, and how it comes about."""
-    if not found.reached:
+    if not risk.reached:
         return (
-            f"No {event_in_words(found.event)} was found, in {number(found.provenance.trials)} trials led towards each "
-            f"way to fail by its own margin. By plain trials alone it is at most {_power(found.probability.high)}."
+            f"No {event_in_words(risk.event)} was found, in {number(risk.provenance.trials)} trials led towards each "
+            f"way to fail by its own margin. By plain trials alone it is at most {_power(risk.probability.high)}."
         )
-    value = found.probability.value
-    chance = f"{_power(value)} ({_power(found.probability.low)} to {_power(found.probability.high)})"
-    event = f"{capitalised(event_in_words(found.event))} comes about"
+    value = risk.probability.value
+    chance = f"{_power(value)} ({_power(risk.probability.low)} to {_power(risk.probability.high)})"
+    event = f"{capitalised(event_in_words(risk.event))} comes about"
     often = f"about one mission in {number(float(f'{1.0 / value:.1e}'))}" if value < 0.5 else "more often than not"
-    words = f"{'This mission fails' if found.event == _FAILS else event} with probability {chance}: {often}."
-    if not found.modes:
+    words = f"{'This mission fails' if risk.event == _FAILS else event} with probability {chance}: {often}."
+    if not risk.modes:
         return words
-    commonest = found.modes[0]
+    commonest = risk.modes[0]
     causes = _causes_in_words(commonest)
     if not commonest.step:
         return f"{words} It comes with {causes}." if causes else words
@@ -63,8 +63,8 @@ def event_in_words(event: str) -> str:
     if event == _FAILS:
         return "failure"
     for sign, word in ((" > ", "above"), (" < ", "below")):
-        quantity, found, limit = event.partition(sign)
-        if found:
+        quantity, separator, limit = event.partition(sign)
+        if separator:
             return f"{in_words(quantity.strip())} {word} {limit.strip()}"
     denied = event.removeprefix("not ")
     return f"failure of “{in_words(denied)}”" if denied != event else in_words(event)
@@ -88,21 +88,27 @@ def _value(cause: Cause, value: float) -> str:
     return f"{number(unit(value), 0.05 * unit(cause.usual_sd))}{unit.suffix}"
 
 
-def _how(found: RareFailure) -> Iterator[PageSection]:
+def _how(risk: RareFailure) -> Iterator[PageSection]:
     """Say of each way to fail how often it is, and what is not as usual in it."""
-    if not found.modes:
+    if not risk.modes:
         return
-    is_failure = any(mode.step for mode in found.modes)
+    is_failure = any(mode.step for mode in risk.modes)
     of_these = "the failures" if is_failure else "these missions"
     blocks: list[Block] = [
         f"{portion_in_words(mode.share)} of {of_these} are {_way(mode)}"
         + (f", with {causes}." if (causes := _causes_in_words(mode)) else "; no input is far from usual in them.")
-        for mode in found.modes
+        for mode in risk.modes
     ]
     rows = [
-        (_way(mode), in_words(each.source), _value(each, each.mean), _value(each, each.usual), f"{each.shift:+.1f}")
-        for mode in found.modes
-        for each in mode.causes
+        (
+            _way(mode),
+            in_words(cause.source),
+            _value(cause, cause.mean),
+            _value(cause, cause.usual),
+            f"{cause.shift:+.1f}",
+        )
+        for mode in risk.modes
+        for cause in mode.causes
     ]
     if rows:
         columns = ("way to fail" if is_failure else "in", "input", "mean then", "usual mean", "shift (sd)")
@@ -114,16 +120,16 @@ def _how(found: RareFailure) -> Iterator[PageSection]:
         "failures.csv has trials in which it comes about, each as likely as any other, with all that was drawn in them."
     )
     heading = "How it fails" if is_failure else "How it comes about"
-    yield PageSection(f"{heading}: {_way(found.modes[0])}", blocks)
+    yield PageSection(f"{heading}: {_way(risk.modes[0])}", blocks)
 
 
-def _driven(found: RareFailure) -> Iterator[PageSection]:
+def _driven(risk: RareFailure) -> Iterator[PageSection]:
     """Say of each way to fail what was found of it, and of those without a failure what bounds them."""
-    met = sorted((way for way in found.ways if way.probability > 0.0), key=lambda way: -way.probability)
-    unmet = [way for way in found.ways if way.probability == 0.0 and way.way]
-    rows = [(_driven_way(found, way), _power(way.probability), "", "") for way in met]
+    met = sorted((way for way in risk.ways if way.probability > 0.0), key=lambda way: -way.probability)
+    unmet = [way for way in risk.ways if way.probability == 0.0 and way.way]
+    rows = [(_driven_way(risk, way), _power(way.probability), "", "") for way in met]
     rows += [
-        (_driven_way(found, way), "none found", _power(way.nearest) if way.nearest < 1.0 else "—", _power(way.bound))
+        (_driven_way(risk, way), "none found", _power(way.nearest) if way.nearest < 1.0 else "—", _power(way.bound))
         for way in unmet
     ]
     if not rows:
@@ -134,41 +140,41 @@ def _driven(found: RareFailure) -> Iterator[PageSection]:
         "varies with nothing that is drawn), and what plain trials alone allow at most."
     )
     heading = "Each way to fail, driven by its own margin"
-    if unmet and found.reached:
+    if unmet and risk.reached:
         heading = f"Not met: {len(unmet)} of {len(met) + len(unmet)} ways to fail"
     columns = ("way to fail", "probability", "nearest without failing", "at most, by plain trials")
     yield PageSection(heading, [Table(columns, rows, caption)])
 
 
-def _driven_way(found: RareFailure, way: WayDriven) -> str:
+def _driven_way(risk: RareFailure, way: WayDriven) -> str:
     if not way.way:
         return "none of the known margins"
-    return capitalised(event_in_words(way.way)) if way.way == found.event else failure_in_words(way.way)
+    return capitalised(event_in_words(way.way)) if way.way == risk.event else failure_in_words(way.way)
 
 
-def _precision(found: RareFailure) -> Iterator[PageSection]:
-    if not found.reached:
+def _precision(risk: RareFailure) -> Iterator[PageSection]:
+    if not risk.reached:
         return
     yield PageSection(
-        f"Known to {100.0 * found.variation:.0f} % from {number(found.provenance.trials)} trials",
+        f"Known to {100.0 * risk.variation:.0f} % from {number(risk.provenance.trials)} trials",
         [
-            f"{found.repetitions} independent runs of subset simulation of at most {found.levels} levels, each with a "
+            f"{risk.repetitions} independent runs of subset simulation of at most {risk.levels} levels, each with a "
             "pilot of its own; the interval follows from their scatter (Student's t on the logarithm). A plain Monte "
-            f"Carlo would know the probability as well after {_power(found.plain_trials)} trials.",
+            f"Carlo would know the probability as well after {_power(risk.plain_trials)} trials.",
             "The probability is that of the model: what the mission file leaves out is not in it, and one in a million "
             "is to be believed only as far as the tails of the distributions given.",
         ],
     )
 
 
-def _numbers(found: RareFailure) -> list[tuple[str, str]]:
-    if not found.reached:
+def _numbers(risk: RareFailure) -> list[tuple[str, str]]:
+    if not risk.reached:
         return []
-    low, high = _power(found.probability.low), _power(found.probability.high)
+    low, high = _power(risk.probability.low), _power(risk.probability.high)
     return [
-        ("Probability", _power(found.probability.value)),
+        ("Probability", _power(risk.probability.value)),
         ("95 % interval", f"{low} to {high}"),
-        ("Coefficient of variation", f"{100.0 * found.variation:.1f} %"),
+        ("Coefficient of variation", f"{100.0 * risk.variation:.1f} %"),
     ]
 
 
@@ -182,9 +188,9 @@ def _power(value: float) -> str:
     return f"{digits}·10{raised(str(int(exponent)))}"
 
 
-def failures(axes: Axes, found: RareFailure) -> None:
+def failures(axes: Axes, risk: RareFailure) -> None:
     """Draw the share of each way to fail."""
-    modes = found.modes[::-1]
+    modes = risk.modes[::-1]
     axes.barh(range(len(modes)), [100.0 * mode.share for mode in modes])
     axes.set_yticks(range(len(modes)), [failure_in_words(mode.step) if mode.step else "any" for mode in modes])
     axes.set(xlabel="of the failures (%)", xlim=(0.0, 100.0))

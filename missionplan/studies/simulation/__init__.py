@@ -86,7 +86,7 @@ def interpolation_notices(means: Scenario) -> tuple[str, ...]:
     if not isinstance(current, RecordedCurrent) or isinstance(current, Ensemble) or current.time.size < 3:
         return ()
     times = current.time[current.time > -np.ptp(current.time[:2])][:_TIMES_LOOKED_AT]
-    found = []
+    notices = []
     for phase in means.drawn.transits:
         place = means.position(phase.to)[:, None]
         values = np.stack([current.velocity(float(t), float(phase.depth), place)[:, 0] for t in times], axis=1)
@@ -97,11 +97,11 @@ def interpolation_notices(means: Scenario) -> tuple[str, ...]:
         metres = off * float(longest) / float(phase.speed)
         if metres > 1.0:
             step = float(np.median(np.diff(times))) / 60.0
-            found.append(
+            notices.append(
                 f"{phase.name}: the current has a value every {step:.3g} min, and straight lines between them are off "
                 f"by up to {off:.2g} m/s: up to {metres:.2g} m on a leg of {longest:.4g} m."
             )
-    return tuple(found)
+    return tuple(notices)
 
 
 def cover_in_words(mission: Mission, current: Current | None) -> str:
@@ -140,9 +140,9 @@ def _nominal(mission: Mission, means: Scenario, current: RecordedCurrent, lasts:
     """Run the mission once at its means, with the record's ends held, and see which phases leave it."""
     from missionplan.studies.simulation.trial_block import run_block  # most missions have no record to be run with
 
-    held = replace(means, recorded=replace(current, outside="hold"))
+    scenario = replace(means, recorded=replace(current, outside="hold"))
     try:
-        phases = () if _lacking(mission) else run_block(held, mission.monte_carlo.seed, 0, 1, inputs=False).phases
+        phases = () if _lacking(mission) else run_block(scenario, mission.monte_carlo.seed, 0, 1, inputs=False).phases
     except (MissionplanError, ArithmeticError):
         return []  # said by whoever runs the mission
     outside = [phase for phase in phases if np.any(phase.limits.get("left_record", False))]
@@ -230,17 +230,17 @@ def covered_means(mission: Mission) -> Scenario:
 
 def input_notices(mission: Mission, means: Scenario) -> tuple[str, ...]:
     """Notices of the input: truncated distributions, models out of their range, what is left out."""
-    found: list[str] = []
+    notices: list[str] = []
     for entry in mission.effects:
         if not CATALOGUE[entry.effect].changes_plan:
             where = "shows in the tank alone" if CATALOGUE[entry.effect].phase == "tank" else "acts on a reading alone"
-            found.append(f"{entry.effect} {where}: it is carried and does not change the plan.")
+            notices.append(f"{entry.effect} {where}: it is carried and does not change the plan.")
     uncertain = [path for path in mission.uncertain() if path.startswith("vehicle.anchor.construction")]
     if uncertain and _makes_anchors(mission):
-        found.append(f"The anchor is built once, from the means of its parts: {', '.join(uncertain)} not drawn.")
+        notices.append(f"The anchor is built once, from the means of its parts: {', '.join(uncertain)} not drawn.")
     site = mission.site
     if site is not None and site.bathymetry is not None and site.depth_datum is None:
-        found.append(
+        notices.append(
             "site.depth_datum is not given: depths are taken as below the level that site.tide_height counts from."
         )
     return (
@@ -249,7 +249,7 @@ def input_notices(mission: Mission, means: Scenario) -> tuple[str, ...]:
         *interpolation_notices(means),
         *(means.place.notices if means.place is not None else ()),
         *(words for phase in means.drawn.transits if (words := _drift_notice(means, phase))),
-        *found,
+        *notices,
     )
 
 
@@ -289,14 +289,14 @@ def _makes_anchors(mission: Mission) -> bool:
 
 def mooring_anchors(mission: Mission, means: Scenario) -> tuple[MooringAnchor, ...]:
     """Return the anchors that are sized by the mission's worst case, and those that their parts cannot make."""
-    found = []
+    anchors = []
     for phase in means.drawn.moors:
         weight, is_sized = float(wet_weight_of(means, phase)), phase.anchor_wet_weight == "sized"
         failures = solve_anchor(anchor_problem(means), weight).failures if _makes_anchors(mission) else ()
         if is_sized or failures:
             words = tuple(failure.words for failure in failures)
-            found.append(MooringAnchor(phase.name, weight, is_sized, words))
-    return tuple(found)
+            anchors.append(MooringAnchor(phase.name, weight, is_sized, words))
+    return tuple(anchors)
 
 
 def held_vehicles(means: Scenario) -> tuple[HeldVehicle, ...]:
@@ -307,10 +307,10 @@ def held_vehicles(means: Scenario) -> tuple[HeldVehicle, ...]:
 def run_notices(merged: "MergedBlocks", goal: "Precision | None") -> tuple[str, ...]:
     """Notices of the run: precision not reached, failed blocks."""
     trials, failures = merged.totals.trials, len(merged.failures)
-    found = []
+    notices = []
     if goal is not None and not goal.is_reached(merged.totals):
-        found.append(f"The precision asked for, {goal.text}, was not reached in {counted(trials, 'trial')}.")
+        notices.append(f"The precision asked for, {goal.text}, was not reached in {counted(trials, 'trial')}.")
     if failures:
         how = "missionplan.studies.simulation.simulate.simulate_block(mission, seed=…, block=…) runs one alone"
-        found.append(f"Blocks of trials that failed and are left out: {failures}; see failed_blocks; {how}.")
-    return tuple(found)
+        notices.append(f"Blocks of trials that failed and are left out: {failures}; see failed_blocks; {how}.")
+    return tuple(notices)

@@ -86,11 +86,11 @@ class BlockStatistics:
         flat["contacts"] = self.contacts
         flat["count/names"] = np.array([[str(part) for part in counted] for counted in self.counts])
         flat["count/numbers"] = np.array([(count.successes, count.trials) for count in self.counts.values()])
-        found = self.statistics
-        flat["statistic/names"] = np.array(found.names)
-        for each in fields(Moments):
-            flat[f"moments/{each.name}"] = getattr(found.moments, each.name)
-        used = [sketch.bins_in_use() for sketch in found.sketches]
+        statistics = self.statistics
+        flat["statistic/names"] = np.array(statistics.names)
+        for part in fields(Moments):
+            flat[f"moments/{part.name}"] = getattr(statistics.moments, part.name)
+        used = [sketch.bins_in_use() for sketch in statistics.sketches]
         flat["sketch/sizes"] = np.array([len(counts) for _, counts in used])
         flat["sketch/bins"] = np.concatenate([bins for bins, _ in used])
         flat["sketch/counts"] = np.concatenate([counts for _, counts in used])
@@ -102,8 +102,8 @@ class BlockStatistics:
         numbers = zip(flat["count/names"].tolist(), flat["count/numbers"].tolist(), strict=True)
         counts = {Counted(CountedKind(kind), of, name): Count(*number) for (kind, of, name), number in numbers}
         ends = np.cumsum(flat["sketch/sizes"])[:-1]
-        bins, held = (np.split(flat[f"sketch/{name}"], ends) for name in ("bins", "counts"))
-        sketches = tuple(map(QuantileSketch.from_bins, bins, held))
+        bins, bin_counts = (np.split(flat[f"sketch/{name}"], ends) for name in ("bins", "counts"))
+        sketches = tuple(map(QuantileSketch.from_bins, bins, bin_counts))
         moments = Moments(**with_prefix(flat, "moments/"))  # type: ignore[arg-type]
         statistics = RunningStatistics(tuple(flat["statistic/names"].tolist()), moments, sketches)
         sample = {
@@ -125,17 +125,17 @@ def statistics_of_block(mission: Mission, trials: MissionTrials, *, sampled: boo
     `sampled`: whether to keep inputs and key figures trial by trial. `members`: of the current's ensemble.
     """
     counts = {name: Count.of(trial) for name, trial in happened(mission, trials).items()}
-    held = {
+    holding = {
         explanation(doubt.place, number): trials.draws[doubt.place] == number
         for doubt in mission.doubts
         for number in doubt.told_apart
     }
-    held |= {explanation(MEMBER, number): trials.draws[MEMBER] == number for number in range(members)}
-    counts |= {name: Count(int((trials.success & where).sum()), int(where.sum())) for name, where in held.items()}
+    holding |= {explanation(MEMBER, number): trials.draws[MEMBER] == number for number in range(members)}
+    counts |= {name: Count(int((trials.success & where).sum()), int(where.sum())) for name, where in holding.items()}
     sample = _sample(trials) if sampled else {}
     explained = {
         explained_name(counted, quantity): np.where(where, values, np.nan)
-        for counted, where in held.items()
+        for counted, where in holding.items()
         for quantity, values in trials.total.items()
     }
     total = {f"total.{name}": values for name, values in trials.total.items()}
@@ -156,8 +156,8 @@ def happened(mission: Mission, trials: MissionTrials) -> dict[Counted, Flags]:
     met = requirement_flags(mission, trials.columns())
     limits = {}
     for limit in sorted({limit for phase in trials.phases for limit in phase.limits}):
-        own = [phase.limits[limit] for phase in trials.phases if limit in phase.limits]
-        limits[Counted(CountedKind.LIMIT, "", limit)] = np.any(own, axis=0)
+        flags = [phase.limits[limit] for phase in trials.phases if limit in phase.limits]
+        limits[Counted(CountedKind.LIMIT, "", limit)] = np.any(flags, axis=0)
     return {SUCCESS: trials.success, **events, **limits, **failures_by_step(trials), **met}
 
 
@@ -170,8 +170,8 @@ def _contacts(trials: MissionTrials) -> Array:
         for cause, reason in MET.items():
             lost = np.flatnonzero(steps[Counted(CountedKind.FAILURE, phase.name, reason)] & phase.contact.of(cause))
             one = np.ones(lost.size)
-            known = (phase.contact.leg[lost], one, *phase.contact.where[:, lost])
-            rows.append(np.stack((number * one, cause * one, *known), axis=1))
+            columns = (phase.contact.leg[lost], one, *phase.contact.where[:, lost])
+            rows.append(np.stack((number * one, cause * one, *columns), axis=1))
     return np.concatenate(rows)
 
 
@@ -195,7 +195,7 @@ def explained_name(explanation: Counted, quantity: str) -> str:
 
 def requirement_flags(mission: Mission, columns: Mapping[str, Array | Flags]) -> dict[Counted, Flags]:
     """Trials that meet each requirement."""
-    found = {}
+    flags = {}
     for index, requirement in enumerate(mission.requirements):
         key, unit = requirement_key(mission, requirement.quantity)
         values, bound = columns[key], bound_of(requirement)
@@ -204,8 +204,8 @@ def requirement_flags(mission: Mission, columns: Mapping[str, Array | Flags]) ->
         else:  # a trial that never reached the quantity does not meet it
             limit = bound[1] * SCALES.get(unit, 1.0)
             met = np.asarray(values <= limit if bound[0] == "at_most" else values >= limit)
-        found[Counted.requirement(index)] = met
-    return found
+        flags[Counted.requirement(index)] = met
+    return flags
 
 
 def requirement_key(mission: Mission, quantity: str) -> tuple[str, str | None]:

@@ -60,9 +60,9 @@ def dormand_prince(
         step = min(step, longest, 1.0 - moment)
         slopes, reached = [slope], state
         for when, shares in zip(_TIMES[1:], _STAGES[1:], strict=True):
-            reached = state + step * sum(share * each for share, each in zip(shares, slopes, strict=True))
+            reached = state + step * sum(share * slope for share, slope in zip(shares, slopes, strict=True))
             slopes.append(rate(moment + when * step, reached))
-        off = step * sum(share * each for share, each in zip(_ERROR, slopes, strict=True))
+        off = step * sum(share * slope for share, slope in zip(_ERROR, slopes, strict=True))
         error = float(np.sqrt(np.mean(np.square(off)))) / tolerance
         if error <= 1.0:
             moment = 1.0 if step >= 1.0 - moment else moment + step

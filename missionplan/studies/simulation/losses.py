@@ -58,24 +58,24 @@ def losses(
 
     def failed(within: Sequence[PhaseTrials], counts: Callable[[str], bool]) -> Flags:
         names = {phase.name for phase in within}
-        own = [one for (name, why), one in failed_at.items() if name in names and counts(why)]
-        return np.asarray(np.any(own, axis=0))
+        flags = [one for (name, why), one in failed_at.items() if name in names and counts(why)]
+        return np.asarray(np.any(flags, axis=0))
 
-    found = []
+    all_losses = []
     for mooring in (phases[number] for number in moorings):
         there = mooring.anchor, mooring.start
-        found += _lost("not released", mooring.name, there, (failed([mooring], lambda why: why in _HELD), *there))
+        all_losses += _lost("not released", mooring.name, there, (failed([mooring], lambda why: why in _HELD), *there))
     for part in parts:
         # from where those that failed so were last at a fix, else, after a mooring, from any fix
         after = part[0].name if part[0].kind == "moor" else ""
         assumed = None if not after and len(parts) > 1 else _at_random_fix(part, generator)
         flags = failed(part, lambda why: why not in (*_SINKING, *_HELD))
-        found += _lost("adrift at the surface", after, assumed, (flags, *_last_fix(part)))
+        all_losses += _lost("adrift at the surface", after, assumed, (flags, *_last_fix(part)))
     if transits:
         flags = failed(phases, lambda why: why in _SINKING)
-        found += _lost("on the seafloor", "", _on_the_way(transits, generator), (flags, *_last_fix(phases)))
-        found += _lost("still under way", "", _on_the_way(transits[-1:], generator), None)
-    return found
+        all_losses += _lost("on the seafloor", "", _on_the_way(transits, generator), (flags, *_last_fix(phases)))
+        all_losses += _lost("still under way", "", _on_the_way(transits[-1:], generator), None)
+    return all_losses
 
 
 def _lost(
@@ -188,15 +188,15 @@ def read_searches(path: Path, mission: Mission) -> tuple[Search, ...]:
         raise InputError([Problem(f"is no GeoJSON: {error}", name)]) from None
     features = _features(document, name)
     problems: list[Problem] = []
-    found = []
+    searches = []
     for number, feature in enumerate(features):
         try:
-            found.append(_search(feature, mission))
+            searches.append(_search(feature, mission))
         except (ValueError, TypeError, KeyError, OverflowError) as error:
             problems.append(Problem(str(error), name, key=f"features[{number}]"))
     if problems:
         raise InputError(problems)
-    return tuple(sorted(found, key=lambda search: search.time))
+    return tuple(sorted(searches, key=lambda search: search.time))
 
 
 def _features(document: object, name: str) -> Sequence[Mapping[str, Any]]:
@@ -204,7 +204,7 @@ def _features(document: object, name: str) -> Sequence[Mapping[str, Any]]:
     features = document.get("features") if kind == "FeatureCollection" and isinstance(document, dict) else None
     if kind == "Feature" and isinstance(document, dict):
         features = [document]
-    if not isinstance(features, list) or not features or not all(isinstance(each, dict) for each in features):
+    if not isinstance(features, list) or not features or not all(isinstance(feature, dict) for feature in features):
         raise InputError([Problem("expected GeoJSON with one or more features", name)])
     return features
 

@@ -200,18 +200,18 @@ def _moored_in(
 def _failures(block: TrialBlock, record: MoorRecord, begun: Flags, taut: Flags, moored: Flags) -> dict[Failure, Flags]:
     """Return the trials that fail by each way of the dive and the hold, in the order in which they come about."""
     # of the hold those alone of which the vehicle file gives what they depend on
-    given, hold, held = block.scenario.mooring, record.hold, {}
-    if given.anchor.holding_factor is not None:
-        held[Failure.DRAGGED] = moored & ~hold.anchor_holds
-    if given.vehicle.centres is not None:
-        held[Failure.GROUNDED] = moored & hold.grounded
+    mooring, hold, hold_failures = block.scenario.mooring, record.hold, {}
+    if mooring.anchor.holding_factor is not None:
+        hold_failures[Failure.DRAGGED] = moored & ~hold.anchor_holds
+    if mooring.vehicle.centres is not None:
+        hold_failures[Failure.GROUNDED] = moored & hold.grounded
     return {
         Failure.LINE_PARTED: taut & record.line_parted,
         Failure.TOO_LIGHT: begun & ~moored & (record.descent.terminal_velocity <= 0.0),
         Failure.NOT_DOWN: begun & ~moored,
         Failure.OUTSIDE: moored & ~record.within_radius,
         Failure.STRUCK: moored & record.struck,
-        **held,
+        **hold_failures,
         Failure.NOT_SURFACED: moored & ~record.surfaced,
     }
 
@@ -219,8 +219,8 @@ def _failures(block: TrialBlock, record: MoorRecord, begun: Flags, taut: Flags, 
 def _exposure(plan: MoorPlan, begun: Flags, record: MoorRecord) -> Exposure:
     """What the equipment of the trials that began the mooring goes through, to the end of the hold where they stay."""
     descent, one = record.descent, begun.astype(float)
-    held = descent.release_time + np.nan_to_num(descent.descent_time) + plan.moored_time
-    time = np.where(record.surfaced, np.nan_to_num(record.duration), held)
+    stay = descent.release_time + np.nan_to_num(descent.descent_time) + plan.moored_time
+    time = np.where(record.surfaced, np.nan_to_num(record.duration), stay)
     down = begun & descent.touched_down
     up = (down & record.surfaced).astype(float)
     return Exposure(one * time, 0.0, up, one, one, down.astype(float))
@@ -228,13 +228,13 @@ def _exposure(plan: MoorPlan, begun: Flags, record: MoorRecord) -> Exposure:
 
 def _snatch(plan: MoorPlan, record: MoorRecord, taut: Flags) -> dict[str, Array]:
     """What the mission and vehicle files let be known of the snatch, also of lines that part then."""
-    descent, found = record.descent, {}
+    descent, quantities = record.descent, {}
     if plan.dive.spring is not None:
-        found["snatch_tension_n"] = (taut, descent.snatch_tension)
+        quantities["snatch_tension_n"] = (taut, descent.snatch_tension)
     if plan.dive.pitching is not None:
         down = taut & descent.touched_down
-        found |= {"nose_down_time_s": (down, descent.nose_down_time), "depth_lost_m": (down, descent.depth_lost)}
-    return quantities_reached(found)
+        quantities |= {"nose_down_time_s": (down, descent.nose_down_time), "depth_lost_m": (down, descent.depth_lost)}
+    return quantities_reached(quantities)
 
 
 def _events(
@@ -263,13 +263,13 @@ def _profile(plan: MoorPlan, before: TrialState, moored: Flags, after: TrialStat
     """Depth of the nose against time: sinking, held on the line, rising, afloat, shape (2, 6, n) [s, m]."""
     descent, end = record.descent, before.clock + record.duration
     surfaced = end - plan.surfacing_time
-    held = plan.dive.site_depth - record.hold.nose_altitude
+    hold_depth = plan.dive.site_depth - record.hold.nose_altitude
     afloat = np.zeros(before.trials)
     times = (before.clock, before.clock + descent.release_time, surfaced - record.ascent_time, surfaced, end)
     begun, released, rising, surfacing, ended = (np.broadcast_to(time, afloat.shape) for time in times)
     when = [begun, released, released + descent.descent_time, rising, surfacing, ended]
     lasts = [before.alive, before.alive, moored, moored & after.alive, after.alive, after.alive]
-    depth = [afloat, afloat, afloat + held, afloat + held, afloat, afloat]
+    depth = [afloat, afloat, afloat + hold_depth, afloat + hold_depth, afloat, afloat]
     return np.array([np.where(lasts, when, np.nan), np.where(lasts, depth, np.nan)])
 
 

@@ -93,13 +93,13 @@ class OutcomeBuilder:
     def _contacts(self) -> Iterator[PlaceContact]:
         rows = self.totals.contacts
         for number, cause in dict.fromkeys((int(row[0]), Cause(int(row[1]))) for row in rows):
-            own = rows[(rows[:, 0] == number) & (rows[:, 1] == cause)]
-            count, east, north = own[:, 3:].sum(axis=0)
+            contacts = rows[(rows[:, 0] == number) & (rows[:, 1] == cause)]
+            count, east, north = contacts[:, 3:].sum(axis=0)
             yield PlaceContact(
                 phase=self.mission.phases[number].label,
                 cause=MET[cause],
                 lost=Count(int(count), self.totals.trials).probability(),
-                legs={str(int(row[2])): int(row[3]) for row in own},
+                legs={str(int(row[2])): int(row[3]) for row in contacts},
                 east=float(east / count),
                 north=float(north / count),
             )
@@ -119,14 +119,14 @@ class OutcomeBuilder:
         yield self.totals.statistics["total.duration_s"].statistic()
 
     def _phase(self, name: str, kind: str, start: Statistic, end: Statistic) -> PhaseOutcome:
-        own = with_prefix(self.totals.statistics, f"{name}.")
-        own.pop("end", None)
+        statistics = with_prefix(self.totals.statistics, f"{name}.")
+        statistics.pop("end", None)
         return PhaseOutcome(
             name=name,
             kind=kind,
-            quantities={quantity: _statistic(quantity, running) for quantity, running in own.items()},
+            quantities={quantity: _statistic(quantity, running) for quantity, running in statistics.items()},
             events=self._counted(CountedKind.EVENT, name),
-            histograms={quantity: histogram_from_sketch(running) for quantity, running in own.items()},
+            histograms={quantity: histogram_from_sketch(running) for quantity, running in statistics.items()},
             start=start,
             end=end,
             label=name,
@@ -135,13 +135,13 @@ class OutcomeBuilder:
     def _counted(self, kind: CountedKind, of: str) -> dict[str, Probability]:
         """Probabilities by name of what is counted of one kind."""
         counts = self.totals.counts.items()
-        return {each.name: count.probability() for each, count in counts if (each.kind, each.of) == (kind, of)}
+        return {key.name: count.probability() for key, count in counts if (key.kind, key.of) == (kind, of)}
 
     def _requirement(self, index: int, requirement: Requirement) -> RequirementOutcome:
-        found = requirement_outcome(self.mission, requirement, self.totals.counts[Counted.requirement(index)])
+        outcome = requirement_outcome(self.mission, requirement, self.totals.counts[Counted.requirement(index)])
         key, unit = requirement_key(self.mission, requirement.quantity)
-        reached = self._reached(key, unit or "", found.bound, found.required, found.trials)
-        return replace(found, reached=reached)
+        reached = self._reached(key, unit or "", outcome.bound, outcome.required, outcome.trials)
+        return replace(outcome, reached=reached)
 
     def _reached(self, key: str, unit: str, side: Side | None, required: float, trials: int) -> float | None:
         """Value within which the required share of all trials stays, SI; None where too few have one."""
@@ -157,24 +157,24 @@ class OutcomeBuilder:
         """Sensitivity of each phase's key figures to what was drawn until its end, of the mission's to everything."""
         inputs, outputs = self._sampled(Sampled.INPUT), self._sampled(Sampled.OUTPUT)
         names = [phase.name for phase in self.mission.phases]
-        found: list[Sensitivity] = []
+        influences: list[Sensitivity] = []
         for index, name in enumerate([*names, "total"]):
             later = tuple(f"{other}." for other in names[index + 1 :])
             drawn = {source: values for source, values in inputs.items() if not source.startswith(later)}
             figures = {output: values for output, values in outputs.items() if output.startswith(f"{name}.")}
-            found += sensitivities(drawn, figures)
-        return tuple(found)
+            influences += sensitivities(drawn, figures)
+        return tuple(influences)
 
     def _sampled(self, kind: Sampled) -> dict[str, Array]:
-        return {name: values for (own, name), values in self.totals.sample.items() if own is kind}
+        return {name: values for (sampled, name), values in self.totals.sample.items() if sampled is kind}
 
 
 def _statistic(quantity: str, running: RunningStatistic) -> Statistic:
     """Statistic of a quantity; the sketch's quantiles of integers are rounded."""
-    found = running.statistic()
-    if quantity not in INTEGER_QUANTITIES or not found.count:
-        return found
-    return replace(found, p05=round(found.p05), p50=round(found.p50), p95=round(found.p95))
+    statistic = running.statistic()
+    if quantity not in INTEGER_QUANTITIES or not statistic.count:
+        return statistic
+    return replace(statistic, p05=round(statistic.p05), p50=round(statistic.p50), p95=round(statistic.p95))
 
 
 def histogram_from_sketch(running: RunningStatistic) -> Histogram:

@@ -80,21 +80,21 @@ class Cloud:
         """Return, for each share, the parts of the area of highest density that holds it."""
         x, y, values, of_points = self._density
         order = np.argsort(-of_points)
-        held, contours = (
+        sums, contours = (
             np.cumsum(self.weights[order]),
             contourpy.contour_generator(x, y, values, fill_type="OuterOffset"),
         )
-        found = []
+        areas = []
         for share in shares:
-            level = float(of_points[order[min(int(np.searchsorted(held, share)), order.size - 1)]])
+            level = float(of_points[order[min(int(np.searchsorted(sums, share)), order.size - 1)]])
             lines = contours.filled(max(level, 1e-6 * float(values.max())), np.inf)
-            found.append(
+            areas.append(
                 tuple(
                     tuple(self._placed(points[a:b].T) for a, b in pairwise(offsets))
                     for points, offsets in zip(*lines, strict=True)
                 )
             )
-        return found
+        return areas
 
     def densest(self) -> Array:
         """Return the place of highest density, shape (2,) [m]."""
@@ -219,14 +219,14 @@ def overdue(scenario: Scenario, trials: MissionTrials, seed: int, searches: Sequ
     """
     back = np.isfinite(trials.total["duration_s"])
     names = {phase.name: phase.label for phase in scenario.mission.phases}
-    trials = replace(trials, phases=tuple(replace(each, name=names[each.name]) for each in trials.phases))
+    trials = replace(trials, phases=tuple(replace(phase, name=names[phase.name]) for phase in trials.phases))
     moving = [phase for phase in trials.phases if phase.kind in ("transit", "moor")]
     if np.count_nonzero(back) < FEWEST_BACK or not moving:
         return None
     times = (*_surfacings(scenario, trials), _time("back", trials, scenario, trials.total["duration_s"]))
     failed = dict(_first_failures(trials, ~back))
     drift = Drift.of(scenario, seed, back.size)
-    found = Overdue(
+    sheet = Overdue(
         times=times,
         missing={f"{phase}: {reason}": float(np.mean(flags)) for (phase, reason), flags in failed.items()},
         areas=(),
@@ -234,9 +234,9 @@ def overdue(scenario: Scenario, trials: MissionTrials, seed: int, searches: Sequ
     )
     lost = losses(moving, failed, stream(seed, "overdue", 0))
     reach = {phase.name: _reach(phase) for phase in moving if phase.kind == "moor"}
-    areas = tuple(search_areas(lost, drift, found.worry_after, reach, searches))
-    last = found.worry_after + 3600.0 * HOURS[-1]
-    return replace(found, areas=areas, assumptions=tuple(_assumptions(scenario, drift, last)))
+    areas = tuple(search_areas(lost, drift, sheet.worry_after, reach, searches))
+    last = sheet.worry_after + 3600.0 * HOURS[-1]
+    return replace(sheet, areas=areas, assumptions=tuple(_assumptions(scenario, drift, last)))
 
 
 def _assumptions(scenario: Scenario, drift: Drift, last: float) -> Iterator[DriftAssumption]:
@@ -258,18 +258,18 @@ def _first_failures(trials: MissionTrials, missing: Flags) -> Iterator[tuple[tup
     for phase in trials.phases:
         for reason, flags in phase.failures.items():
             left = phase.left if reason == Failure.EQUIPMENT else {}
-            kinds = {f"{reason}, {leaves}": own for leaves, own in left.items()}
-            for name, own in (kinds or {reason: flags}).items():
-                if np.any(good & own & missing):
-                    yield (phase.name, name), good & own & missing
+            kinds = {f"{reason}, {leaves}": lost for leaves, lost in left.items()}
+            for name, lost in (kinds or {reason: flags}).items():
+                if np.any(good & lost & missing):
+                    yield (phase.name, name), good & lost & missing
             good = good & ~flags
 
 
 def _reach(mooring: PhaseTrials) -> float:
     """How far a held vehicle is from its anchor, in all but 5 % of the trials [m]."""
     values = mooring.quantities.get("excursion_m", np.zeros(1))
-    known = values[np.isfinite(values)]
-    return float(np.quantile(known, 0.95)) if known.size else 0.0
+    excursions = values[np.isfinite(values)]
+    return float(np.quantile(excursions, 0.95)) if excursions.size else 0.0
 
 
 def _surfacings(scenario: Scenario, trials: MissionTrials) -> Iterator[ExpectedTime]:
@@ -296,9 +296,9 @@ def _time(name: str, trials: MissionTrials, scenario: Scenario, clock: Array) ->
         for share in (0.5, 0.95, 0.99, 0.999)
     )
     left = scenario.capacity / JOULES_PER_WATT_HOUR - _spent(trials, clock)
-    known = left[reached & np.isfinite(left)]
+    rest = left[reached & np.isfinite(left)]
     return ExpectedTime(
-        name, float(np.mean(reached)), p50, p95, p99, p999, float(np.quantile(known, 0.05)) if known.size else np.nan
+        name, float(np.mean(reached)), p50, p95, p99, p999, float(np.quantile(rest, 0.05)) if rest.size else np.nan
     )
 
 

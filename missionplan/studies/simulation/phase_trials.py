@@ -146,7 +146,7 @@ def transit_trials(
     goal, arrived = column(plan.goal), record.arrived & ~exhausted
     contact = record.contact if environment.place is not None else None
     below = {Failure.AGROUND: _each(depth - plan.depth, state)} if np.all(np.isfinite(depth)) else {}
-    found = PhaseTrials(
+    trials = PhaseTrials(
         name=phase.name,
         kind=phase.kind,
         quantities=_quantities(record, arrived),
@@ -167,7 +167,7 @@ def transit_trials(
         profile=_profile(plan, record.track_time),
         margins=below | margins_met(contact),
     )
-    return continuing, found
+    return continuing, trials
 
 
 def _profile(plan: TransitPlan, time: Array | None) -> Array:
@@ -237,18 +237,18 @@ def _leg_inputs(
     for number in range(most):
         normal = normals.velocity.leg(number)[:, : state.trials]
         total += normal if number < fewest else np.where(legs > number, normal, 0.0)
-    found = {"velocity_error": random_part(plan.velocity_error, np.asarray(total / np.maximum(legs, 1.0)))}
+    errors = {"velocity_error": random_part(plan.velocity_error, np.asarray(total / np.maximum(legs, 1.0)))}
     if normals.fix_on_diving is not None and np.any(plan.fix_error):
         last = np.zeros((2, state.trials))  # normals of each trial's last leg
         for number in range(max(fewest - 1, 0), most):
             last = np.where(legs == number + 1, normals.fix_on_diving.leg(number)[:, : state.trials], last)
-        found["fix_error"] = plan.fix_error * last
+        errors["fix_error"] = plan.fix_error * last
     course = goal - state.position
     length = np.hypot(course[0], course[1])
     along = course / np.where(length > 0.0, length, 1.0)
     return {
         f"{name}.{side}": values
-        for name, vector in found.items()
+        for name, vector in errors.items()
         for side, values in zip(
             SIDES,
             (vector[0] * along[0] + vector[1] * along[1], vector[1] * along[0] - vector[0] * along[1]),
@@ -287,7 +287,7 @@ def transition_trials(
         "duration_s": (hovering, duration),
         "energy_wh": (hovering, spent / JOULES_PER_WATT_HOUR),
     }
-    found = PhaseTrials(
+    trials = PhaseTrials(
         name=phase.name,
         kind=phase.kind,
         quantities=quantities_reached(quantities),
@@ -305,7 +305,7 @@ def transition_trials(
         inputs={},
         profile=np.empty((2, 0, min(block.tracked, state.trials))),
     )
-    return continuing, found
+    return continuing, trials
 
 
 def _each(values: Scalars, state: TrialState) -> Array:

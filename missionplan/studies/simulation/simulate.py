@@ -143,8 +143,8 @@ def simulate(
 
 def _asked_besides(searched: str | Path | None, as_exported: str | None) -> dict[str, object]:
     """Options of a simulation that are written where they are given: what was searched by its content."""
-    found: dict[str, object] = {} if as_exported is None else {"as_exported": as_exported}
-    return found if searched is None else {"searched": digest_of_files([as_path(searched, "searched")]), **found}
+    options: dict[str, object] = {} if as_exported is None else {"as_exported": as_exported}
+    return options if searched is None else {"searched": digest_of_files([as_path(searched, "searched")]), **options}
 
 
 def _carried_out(mission: Mission, as_exported: str | None) -> tuple[Scenario, tuple[str, Plan] | None]:
@@ -162,8 +162,8 @@ def _chart(means: Scenario, tracks: MapTracks) -> SeaChart | None:
     if place is None:
         return None
     points = np.concatenate((np.moveaxis(tracks.position, 1, 0).reshape(2, -1), tracks.goals[:, :2].T), axis=1)
-    known = points[:, np.isfinite(points).all(axis=0)]
-    low, high = np.quantile(known, 0.01, axis=1), np.quantile(known, 0.99, axis=1)
+    places = points[:, np.isfinite(points).all(axis=0)]
+    low, high = np.quantile(places, 0.01, axis=1), np.quantile(places, 0.99, axis=1)
     margin = float(np.max(high - low))
     east, north = (np.linspace(a - margin, b + margin, CHART_NODES) for a, b in zip(low, high, strict=True))
     lattice = np.stack([axis.ravel() for axis in np.meshgrid(east, north)])
@@ -214,10 +214,10 @@ def _loss(mission: Mission, exported: tuple[str, Plan], merged: MergedBlocks, se
     trials = min(merged.totals.trials, BLOCK)
     meant = event_probabilities(mission, trials=trials, seed=seed)
     parts = [
-        f"{each.of} {each.name} {merged.totals.counts[each].probability().value:.1%} of trials, "
-        f"as the mission means it {meant[each].value:.1%}"
-        for each in meant
-        if each == SUCCESS or each.name == "arrived"
+        f"{counted.of} {counted.name} {merged.totals.counts[counted].probability().value:.1%} of trials, "
+        f"as the mission means it {meant[counted].value:.1%}"
+        for counted in meant
+        if counted == SUCCESS or counted.name == "arrived"
     ]
     lost = (f"Not in its files: {words}." for words in format_named(as_exported).lost(plan))
     return (f"As the vehicle carries out its {as_exported} files: {'; '.join(parts)}.", *lost)

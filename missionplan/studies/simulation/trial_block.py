@@ -64,19 +64,19 @@ def _drawn(block: TrialBlock, number: int, hazard: "Hazard[Scalars]", trials: in
         if unit == 1.0:
             return Part(hazard.per, leaves, age_at_chance(-np.expm1(-rate), normals))
         return Part(hazard.per, leaves, age_at_rate(rate / unit, normals))
-    given: Scalars = 0.0 if hazard.rate is None else hazard.rate
-    return Part(hazard.per, leaves, age_at_rate(given, normals) if unit != 1.0 else age_at_chance(given, normals))
+    constant: Scalars = 0.0 if hazard.rate is None else hazard.rate
+    return Part(hazard.per, leaves, age_at_rate(constant, normals) if unit != 1.0 else age_at_chance(constant, normals))
 
 
 def failing(
-    parts: Sequence[Part], before: Exposure, begun: TrialState, after: TrialState, found: PhaseTrials
+    parts: Sequence[Part], before: Exposure, begun: TrialState, after: TrialState, trials: PhaseTrials
 ) -> tuple[TrialState, PhaseTrials, Exposure]:
     """End the trials whose equipment fails in a phase.
 
-    `before`: until the phase began. `begun`, `after`: at the phase's beginning and end. `found`: of the phase without
+    `before`: until the phase began. `begun`, `after`: at the phase's beginning and end. `trials`: of the phase without
     failures of equipment. Returns: until the phase's end. A trial that fails has no quantities and events of the phase.
     """
-    exposure = before.plus(found.exposure)
+    exposure = before.plus(trials.exposure)
     first, left = np.full(begun.trials, np.inf), np.full(begun.trials, -1)
     margin = np.min([part.margin(np.asarray(exposure.of(part.per))) for part in parts], axis=0)
     for number, part in enumerate(parts):
@@ -94,15 +94,15 @@ def failing(
     }
     if failed.any():
         after = replace(after, alive=after.alive & ~failed)
-        found = replace(
-            found,
-            quantities={name: np.where(failed, np.nan, values) for name, values in found.quantities.items()},
-            events={name: flags & ~failed for name, flags in found.events.items()},
-            end=np.where(failed, np.nan, found.end),
-            miss=np.where(failed, np.nan, found.miss),
+        trials = replace(
+            trials,
+            quantities={name: np.where(failed, np.nan, values) for name, values in trials.quantities.items()},
+            events={name: flags & ~failed for name, flags in trials.events.items()},
+            end=np.where(failed, np.nan, trials.end),
+            miss=np.where(failed, np.nan, trials.miss),
         )
-    failures, margins = {Failure.EQUIPMENT: failed, **found.failures}, {Failure.EQUIPMENT: margin, **found.margins}
-    return after, replace(found, failures=failures, left=lost, margins=margins), exposure
+    failures, margins = {Failure.EQUIPMENT: failed, **trials.failures}, {Failure.EQUIPMENT: margin, **trials.margins}
+    return after, replace(trials, failures=failures, left=lost, margins=margins), exposure
 
 
 @dataclass(frozen=True)
@@ -119,18 +119,18 @@ class MissionTrials:
 
     def inputs(self) -> dict[str, Array]:
         """What was drawn, by the names of the table; what is drawn each leg as its sum over the legs."""
-        found = dict(self.draws)
+        inputs = dict(self.draws)
         for phase in self.phases:
-            found |= {f"{phase.name}.{name}": values for name, values in phase.inputs.items()}
-        return found
+            inputs |= {f"{phase.name}.{name}": values for name, values in phase.inputs.items()}
+        return inputs
 
     def columns(self) -> dict[str, Array | Flags]:
         """One array a column of the table of trials, shape (n,) each."""
-        found: dict[str, Array | Flags] = dict(self.draws)
+        table: dict[str, Array | Flags] = dict(self.draws)
         for phase in self.phases:
             for values in (phase.inputs, phase.quantities, phase.events):
-                found |= {f"{phase.name}.{name}": value for name, value in values.items()}
-        return found | {f"total.{name}": value for name, value in self.total.items()} | {"total.success": self.success}
+                table |= {f"{phase.name}.{name}": value for name, value in values.items()}
+        return table | {f"total.{name}": value for name, value in self.total.items()} | {"total.success": self.success}
 
 
 TRACKED_TRIALS = 300
@@ -159,7 +159,7 @@ class MapTracks:
     @classmethod
     def from_arrays(cls, flat: Mapping[str, NDArray[np.generic]]) -> "MapTracks":
         """Read the fields from arrays of their names."""
-        return cls(**{each.name: flat[each.name] for each in fields(cls)})  # type: ignore[arg-type]
+        return cls(**{field.name: flat[field.name] for field in fields(cls)})  # type: ignore[arg-type]
 
     @classmethod
     def of(cls, trials: MissionTrials) -> "MapTracks":
@@ -208,21 +208,21 @@ def run_trials(
         for phase in scenario.drawn.phases:
             begun = state
             if isinstance(phase, TransitPhase):
-                state, found = transit_trials(block, phase, state)
-                goal = found.goal
+                state, phase_trials = transit_trials(block, phase, state)
+                goal = phase_trials.goal
             elif isinstance(phase, MoorPhase):
-                state, found = mooring_trials(block, phase, state, goal)
+                state, phase_trials = mooring_trials(block, phase, state, goal)
             else:
-                state, found = transition_trials(block, phase, state)
+                state, phase_trials = transition_trials(block, phase, state)
             if parts:
-                state, found, exposure = failing(parts, exposure, begun, state, found)
-            done.append(found)
+                state, phase_trials, exposure = failing(parts, exposure, begun, state, phase_trials)
+            done.append(phase_trials)
         total = {
             "duration_s": where_reached(state.alive, state.clock),
             "energy_wh": where_reached(state.alive, state.energy / JOULES_PER_WATT_HOUR),
         }
     success = np.ones(trials, dtype=bool)
-    for found in done:
-        for failed in found.failures.values():
+    for phase_trials in done:
+        for failed in phase_trials.failures.values():
             success &= ~failed
     return MissionTrials(tuple(done), total, success, scenario.draws)

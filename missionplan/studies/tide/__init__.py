@@ -65,7 +65,7 @@ def tide(
     measured = read_current_record(path, since)
     north = _latitude(latitude, measured, path)
     series = [_samples(measured, column, north) for column in range(measured.depth.size)]
-    enough = [each.time.size >= LEAST_SAMPLES and each.lasting >= SHORTEST for each in series]
+    enough = [samples.time.size >= LEAST_SAMPLES and samples.lasting >= SHORTEST for samples in series]
     if not any(enough):
         message = f"is too short for a tide: it needs {LEAST_SAMPLES} samples over {SHORTEST / 3600.0:.0f} h"
         raise InputError([Problem(message, str(path))])
@@ -78,7 +78,7 @@ def tide(
     notices = [f"too few samples for a tide at {', '.join(few)}"] if few else []
     if datetime.fromtimestamp(float(measured.time[0]), UTC).year < 1980:
         notices.append("the record begins before 1980: is its start right?")
-    most = int(np.argmax([each.samples for each in depths]))
+    most = int(np.argmax([depth.samples for depth in depths]))
     shown, column = depths[most], int(np.flatnonzero(enough)[most])
     lasting = float(measured.time[-1] - measured.time[0])
     return TideResult(
@@ -104,20 +104,20 @@ def tide(
     )
 
 
-def _moment(given: datetime | str | None) -> datetime | None:
+def _moment(start: datetime | str | None) -> datetime | None:
     try:
-        return None if given is None else moment_of(given)
+        return None if start is None else moment_of(start)
     except (ValueError, OverflowError):
-        message = f"given {shown(given)}, expected a time such as 2026-05-01T06:00:00Z"
+        message = f"given {shown(start)}, expected a time such as 2026-05-01T06:00:00Z"
         raise InputError([Problem(message, key="start")]) from None
 
 
-def _latitude(given: float | str | None, record: CurrentRecord, path: Path) -> float:
+def _latitude(option: float | str | None, record: CurrentRecord, path: Path) -> float:
     try:
-        latitude = parse_number_with_unit(given, "rad") if isinstance(given, str) else given
+        latitude = parse_number_with_unit(option, "rad") if isinstance(option, str) else option
     except QuantityError as error:
         hint = "a latitude such as '37.2 deg'; south is negative"
-        raise InputError([Problem(each.message, key="latitude", hint=hint) for each in error.problems]) from None
+        raise InputError([Problem(problem.message, key="latitude", hint=hint) for problem in error.problems]) from None
     latitude = record.latitude if latitude is None else latitude
     if math.isnan(latitude):
         message = "nothing says at which latitude it was measured; nodal corrections need it"
@@ -157,10 +157,10 @@ def _held_out(samples: Samples) -> HeldOut | None:
     """Forecast the end of the record from the rest of it."""
     end = samples.time[0] + (1.0 - HELD_OUT) * samples.lasting
     early = samples.time < end
-    known = Samples(samples.time[early], samples.velocity[:, early], samples.latitude)
-    if known.time.size < LEAST_SAMPLES or known.lasting < LEAST_FITTED or np.all(early):
+    rest = Samples(samples.time[early], samples.velocity[:, early], samples.latitude)
+    if rest.time.size < LEAST_SAMPLES or rest.lasting < LEAST_FITTED or np.all(early):
         return None
-    fit = fit_tide(known)
+    fit = fit_tide(rest)
     late = samples.time[~early]
     error = samples.velocity[:, ~early] - fit.mean[:, None] - tidal_velocity(fit.constituents, late, samples.latitude)
     inside = float(np.mean(np.abs(error) <= _NINETY * fit.spread))

@@ -39,12 +39,12 @@ def fit_residual(time: Array, east: Array, north: Array) -> ResidualProcess:
         return ResidualProcess(spread, 0.0)
     steps = np.diff(time)
     shortest, longest = 0.05 * float(np.median(steps)), 0.5 * float(time[-1] - time[0])
-    found = scipy.optimize.minimize_scalar(
+    optimum = scipy.optimize.minimize_scalar(
         lambda log_time: _misfit(steps, values, math.exp(log_time))[0],
         bounds=(math.log(shortest), math.log(longest)),
         method="bounded",
     )
-    lasting = math.exp(float(found.x))
+    lasting = math.exp(float(optimum.x))
     return ResidualProcess(math.sqrt(_misfit(steps, values, lasting)[1]), lasting)
 
 
@@ -216,9 +216,9 @@ def ellipse_errors(major: float, minor: float, variance: float) -> tuple[float, 
     """
     rotary = [0.5 * (major + minor), 0.5 * (major - minor)]
     most = math.pi / math.sqrt(3.0)
-    if min(abs(each) for each in rotary) ** 2 <= variance / (8.0 * most**2):
+    if min(abs(radius) for radius in rotary) ** 2 <= variance / (8.0 * most**2):
         return math.sqrt(variance), most
-    angle = math.sqrt(variance / 8.0 * sum(1.0 / each**2 for each in rotary))
+    angle = math.sqrt(variance / 8.0 * sum(1.0 / radius**2 for radius in rotary))
     return math.sqrt(variance), min(angle, most)
 
 
@@ -230,13 +230,13 @@ def _fit(samples: Samples, names: Sequence[str], inferred: Mapping[str, str] | N
     waves, mean = _solve(samples, names, inferred or {})
     left = samples.velocity - mean[:, None] - tidal_velocity(waves, samples.time, samples.latitude)
     bare = HarmonicFit(samples, (), mean, fit_residual(samples.time, *left))
-    known = []
+    constituents = []
     for wave, variance in zip(waves, bare.coefficient_variance([wave.name for wave in waves]), strict=True):
         axis, angle = ellipse_errors(wave.major, wave.minor, float(variance))
         if not wave.inferred_from:
             wave = replace(wave, major_error=axis, minor_error=axis, toward_error=angle, phase_error=angle)
-        known.append(wave)
-    largest = sorted(known, key=lambda wave: -math.hypot(wave.major, wave.minor))
+        constituents.append(wave)
+    largest = sorted(constituents, key=lambda wave: -math.hypot(wave.major, wave.minor))
     return HarmonicFit(samples, tuple(largest), mean, bare.residual)
 
 
@@ -257,7 +257,7 @@ def _solve(
             amp_ratios=[INFERRED[name][1] for name in inferred] * 2,
             phase_offsets=[0.0] * (2 * len(inferred)),
         )
-    found = utide.solve(
+    fit = utide.solve(
         samples.time / DAY,
         *samples.velocity,
         lat=math.degrees(samples.latitude),
@@ -271,7 +271,7 @@ def _solve(
         verbose=False,
         **options,
     )
-    columns = zip(map(str, found["name"]), found["Lsmaj"], found["Lsmin"], found["theta"], found["g"], strict=True)
+    columns = zip(map(str, fit["name"]), fit["Lsmaj"], fit["Lsmin"], fit["theta"], fit["g"], strict=True)
     waves = []
     for name, major, minor, inclination, lag in columns:  # an inclination is counter-clockwise from east [deg]
         toward = math.radians(90.0 - float(inclination)) % (2.0 * math.pi)
@@ -280,4 +280,4 @@ def _solve(
         reference = (inferred or {}).get(name, "")
         ellipse = float(major), float(minor), toward - math.pi * turned, phase
         waves.append(Constituent(name, *ellipse, inferred_from=reference))
-    return waves, np.array([found["umean"], found["vmean"]], dtype=float)
+    return waves, np.array([fit["umean"], fit["vmean"]], dtype=float)

@@ -147,11 +147,11 @@ def answer(result: TideResult) -> str:
         f"with {number(speed(largest.major), speed(largest.major_error))}{speed.suffix}."
     )
     within = quantity(_NINETY * shown.residual, "m/s", ".2g")
-    told = f"A forecast should be within {within} of a component 9 times in 10"
+    forecast = f"A forecast should be within {within} of a component 9 times in 10"
     if shown.held_out is None:
-        return f"{first} {told}, if what is left stays as it was; {result.days:.1f} days are too few to test it."
+        return f"{first} {forecast}, if what is left stays as it was; {result.days:.1f} days are too few to test it."
     times = f"{100.0 * shown.held_out.coverage:.0f} times in 100"
-    return f"{first} {told}: the last quarter of the record, forecast from the rest, was so {times}."
+    return f"{first} {forecast}: the last quarter of the record, forecast from the rest, was so {times}."
 
 
 def _numbers(tide: DepthTide) -> list[tuple[str, str]]:
@@ -231,8 +231,8 @@ def _row(wave: Constituent) -> tuple[str, ...]:
     pairs += [(math.degrees(wave.toward), math.degrees(wave.toward_error))]
     pairs += [(math.degrees(wave.phase), math.degrees(wave.phase_error))]
     name = f"{wave.name} (from {wave.inferred_from})" if wave.inferred_from else wave.name
-    told = (
+    cells = (
         number(value, max(0.01 * abs(value), 0.0001)) if math.isnan(error) else with_error(value, error, _AS_IT_IS)
         for value, error in pairs
     )
-    return name, *told
+    return name, *cells

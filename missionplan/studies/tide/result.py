@@ -125,14 +125,14 @@ class TideResult(Result):
     @property
     def shown(self) -> DepthTide:
         """The tide at the depth of the picture."""
-        return next(each for each in self.depths if each.depth == self.shown_depth)
+        return next(tide for tide in self.depths if tide.depth == self.shown_depth)
 
     @override
     def to_frame(self) -> pd.DataFrame:
         rows = [
-            {"depth_m": each.depth, "constituent": wave.name, **wave.in_degrees()}
-            for each in self.depths
-            for wave in each.constituents
+            {"depth_m": tide.depth, "constituent": wave.name, **wave.in_degrees()}
+            for tide in self.depths
+            for wave in tide.constituents
         ]
         return pd.DataFrame(rows)
 
@@ -244,7 +244,7 @@ def _check_cells(
     path: Path, cells: pd.DataFrame, times: "pd.Series[float]", numbers: dict[str, "pd.Series[float]"]
 ) -> None:
     shown, depth = str(path), numbers["depth_m"]
-    velocity = pd.DataFrame({each: numbers[each] for each in COLUMNS[2:]})
+    velocity = pd.DataFrame({name: numbers[name] for name in COLUMNS[2:]})
     filled = undeclared_fill(*velocity.to_numpy(dtype=float).T)
     fast = (velocity.abs() > FASTEST).any(axis=1) | (velocity == filled).all(axis=1)
     words = f"is impossible; expected a depth of 0 to {DEEPEST:g} m and a current of at most {FASTEST:g} m/s"
@@ -252,7 +252,7 @@ def _check_cells(
     wrong = [
         ("expected a time and a depth", times.isna() | depth.isna(), ""),
         (words, (depth < 0.0) | (depth > DEEPEST) | fast, hint),
-        *((f"{each}: expected a number", numbers[each].isna() & cells[each].notna(), "") for each in COLUMNS[2:]),
+        *((f"{name}: expected a number", numbers[name].isna() & cells[name].notna(), "") for name in COLUMNS[2:]),
     ]
     problems = [Problem(what, shown, int(row), hint=more)
                 for what, where, more in wrong for row in cells.index[where][:_LISTED]]  # fmt: skip
@@ -276,15 +276,15 @@ def _of_files(files: FieldFiles) -> CurrentRecord:
         raise files.problem("has times that stand twice")
     order, down = np.argsort(seconds), np.argsort(depth)
     dims = (time.dims[0], *others)
-    written = [each.transpose(*dims).to_numpy().astype(float).reshape(len(seconds), -1) for each in (east, north)]
+    written = [side.transpose(*dims).to_numpy().astype(float).reshape(len(seconds), -1) for side in (east, north)]
     both = (written[0] == written[1]) & (written[0] == undeclared_fill(*written))
     values = [
-        _speeds(files, np.where(both, math.nan, each) * files.component(str(name), number))
-        for number, (each, name) in enumerate(zip(written, (east.name, north.name), strict=True))
+        _speeds(files, np.where(both, math.nan, part) * files.component(str(name), number))
+        for number, (part, name) in enumerate(zip(written, (east.name, north.name), strict=True))
     ]
     if values[0].shape[1] != depth.size:
         raise files.problem(f"has {values[0].shape[1]} bins and {depth.size} depths")
-    u, v = (each[order][:, down] for each in values)
+    u, v = (speeds[order][:, down] for speeds in values)
     latitude = math.nan
     if files.named(*_NAMES["latitude"]):
         places = _variable(files, "latitude").to_numpy().astype(float).ravel()
@@ -294,23 +294,23 @@ def _of_files(files: FieldFiles) -> CurrentRecord:
 
 def _good(files: FieldFiles, component: "DataArray") -> "DataArray":
     """Values of a component, nan where they are beyond the valid ones or its flag calls them bad or missing."""
-    found, others = component.copy(data=valid(component)), word(component, "ancillary_variables").split()
+    values, others = component.copy(data=valid(component)), word(component, "ancillary_variables").split()
     named = [
         f"{component.name}_QC",
         f"{component.name}_qc",
-        *(each for each in others if "flag" in each or "qc" in each),
+        *(name for name in others if "flag" in name or "qc" in name),
     ]
     flag = files.named(*named)
-    return found if flag is None else found.where(~files.variable(flag).isin(_BAD))
+    return values if flag is None else values.where(~files.variable(flag).isin(_BAD))
 
 
-def _speeds(files: FieldFiles, found: Array) -> Array:
+def _speeds(files: FieldFiles, speeds: Array) -> Array:
     """Values of a component that are possible [m/s]; the file is refused where most are not, unless all are alike."""
-    fast = np.abs(found) > FASTEST
-    if fast.sum() > 0.5 * np.isfinite(found).sum() and np.ptp(np.abs(found[fast])) > 0.0:
+    fast = np.abs(speeds) > FASTEST
+    if fast.sum() > 0.5 * np.isfinite(speeds).sum() and np.ptp(np.abs(speeds[fast])) > 0.0:
         hint = "is its attribute `units` right?"
         raise files.problem(f"most of its currents are faster than {FASTEST:g} m/s", hint)
-    return np.where(fast, math.nan, found)
+    return np.where(fast, math.nan, speeds)
 
 
 def _variable(files: FieldFiles, key: str) -> "DataArray":

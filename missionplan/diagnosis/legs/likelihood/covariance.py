@@ -50,44 +50,44 @@ class TransitCovariance(TransitMean):
         sigma = math.sqrt(max(0.5 * float(np.trace(self.covariance)), 1e-6))
         stated = self.data.typical_fix_sd or self.fix_error
         fix, spread = (stated, FIX_LOG_SD) if stated > 0.0 else FIX_UNSTATED
-        found = [
+        hyperparameters = [
             Hyperparameter("", "sigma_v", math.log(sigma), SIGMA_LOG_SD),
             Hyperparameter("", "fix_sd", math.log(fix), spread),
         ]
         for info in (CATALOGUE[name] for name in causes):
             if info.id in forms.wandering:
-                found += [wandering_scale(info.id), *_of_shapes(info, (COHERENCE_TIME,))]
+                hyperparameters += [wandering_scale(info.id), *_of_shapes(info, (COHERENCE_TIME,))]
             elif info.part == "mean":
-                found.append(slab_scale(info.id))
+                hyperparameters.append(slab_scale(info.id))
             else:
-                found += self._random(info)
-        given = held(self.given_in_covariance, causes)
-        known = {each.effect for each in given}
+                hyperparameters += self._random(info)
+        priors = held(self.given_in_covariance, causes)
+        mission_effects = {prior.effect for prior in priors}
         for name in forms.modulated:
-            found += _of_shapes(CATALOGUE[name], MODULATION_PARAMETERS) if name not in known else []
-        for each in given:
-            own = zip(each.coordinates, each.mean, np.sqrt(np.diag(each.here)), strict=True)
-            found += [Hyperparameter(c.effect, c.name, float(centre), float(sd)) for c, centre, sd in own]
-        return tuple(found)
+            hyperparameters += _of_shapes(CATALOGUE[name], MODULATION_PARAMETERS) if name not in mission_effects else []
+        for prior in priors:
+            laws = zip(prior.coordinates, prior.mean, np.sqrt(np.diag(prior.here)), strict=True)
+            hyperparameters += [Hyperparameter(c.effect, c.name, float(centre), float(sd)) for c, centre, sd in laws]
+        return tuple(hyperparameters)
 
     def _random(self, info: EffectInfo) -> list[Hyperparameter]:
         """Sizes and times of a random cause: what persists for much longer than the record is a mean over it."""
-        found = _of_shapes(info, info.parameters)
+        hyperparameters = _of_shapes(info, info.parameters)
         if not isinstance(info.make({}), MarkovProcess):
-            return found
+            return hyperparameters
         ceiling = math.log(LONGEST * max(float(np.ptp(self.data.middle)), 1.0))
-        return [replace(each, ceiling=ceiling) if info.parameters[each.name].unit == "s" else each for each in found]
+        return [replace(h, ceiling=ceiling) if info.parameters[h.name].unit == "s" else h for h in hyperparameters]
 
     @cached_property
     def given_in_covariance(self) -> tuple[GivenEffect, ...]:
         """The mission's own random effects, and the modulation of its oscillations."""
-        found = []
-        for each in self.given:
-            if CATALOGUE[each.effect].part == "covariance":
-                found.append(each)
-            elif CATALOGUE[each.effect].is_modulated and (own := each.only(MODULATION_PARAMETERS)).coordinates:
-                found.append(own)
-        return tuple(found)
+        priors = []
+        for prior in self.given:
+            if CATALOGUE[prior.effect].part == "covariance":
+                priors.append(prior)
+            elif CATALOGUE[prior.effect].is_modulated and (part := prior.only(MODULATION_PARAMETERS)).coordinates:
+                priors.append(part)
+        return tuple(priors)
 
     @cached_property
     def _shares_fix(self) -> NDArray[np.bool_]:
@@ -213,7 +213,7 @@ def _covariance_effects(values: HyperparameterValues) -> list[TransitEffect]:
     for (effect, name), value in values.items():
         if effect and CATALOGUE[effect].part == "covariance":
             parameters.setdefault(effect, {})[name] = value
-    made = (CATALOGUE[effect].make(own) for effect, own in parameters.items())
+    made = (CATALOGUE[effect].make(arguments) for effect, arguments in parameters.items())
     return [effect for effect in made if isinstance(effect, TransitEffect)]
 
 

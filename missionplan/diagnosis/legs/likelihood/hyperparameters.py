@@ -94,25 +94,25 @@ class HyperparameterPrior:
     """Minus half the log determinant of that matrix."""
 
     @classmethod
-    def of(cls, hyperparameters: tuple[Hyperparameter, ...], given: Iterable[GivenEffect]) -> "HyperparameterPrior":
+    def of(cls, hyperparameters: tuple[Hyperparameter, ...], priors: Iterable[GivenEffect]) -> "HyperparameterPrior":
         """Join hyperparameters that are parameters of given effects as these are."""
         rho, place = np.eye(len(hyperparameters)), {h.key: i for i, h in enumerate(hyperparameters)}
-        for each in tied(given):
-            keys, variance = [(c.effect, c.name) for c in each.coordinates], np.diag(each.here)
-            if set(keys) <= set(place) and np.count_nonzero(each.here) > len(keys):
-                own = [place[key] for key in keys]
-                rho[np.ix_(own, own)] = each.here / np.sqrt(np.outer(variance, variance))
+        for prior in tied(priors):
+            keys, variance = [(c.effect, c.name) for c in prior.coordinates], np.diag(prior.here)
+            if set(keys) <= set(place) and np.count_nonzero(prior.here) > len(keys):
+                indices = [place[key] for key in keys]
+                rho[np.ix_(indices, indices)] = prior.here / np.sqrt(np.outer(variance, variance))
         if np.count_nonzero(rho) == len(rho):
             return cls(hyperparameters)
         return cls(hyperparameters, np.linalg.inv(rho) - np.eye(len(rho)), -0.5 * float(np.linalg.slogdet(rho)[1]))
 
     def log_density(self, logarithms: Array) -> float:
         """Log prior density of the logarithms."""
-        each = sum(h.log_prior(value) for h, value in zip(self.hyperparameters, logarithms.tolist(), strict=True))
+        density = sum(h.log_prior(value) for h, value in zip(self.hyperparameters, logarithms.tolist(), strict=True))
         if self.precision is None:
-            return each
+            return density
         away = (logarithms - [h.centre for h in self.hyperparameters]) / [h.spread for h in self.hyperparameters]
-        return each + self.log_factor - 0.5 * float(away @ self.precision @ away)
+        return density + self.log_factor - 0.5 * float(away @ self.precision @ away)
 
 
 def values_of(hyperparameters: Sequence[Hyperparameter], logarithms: Array) -> dict[tuple[str, str], float]:

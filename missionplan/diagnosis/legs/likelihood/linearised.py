@@ -61,10 +61,10 @@ class LinearisedLegs:
         sd = np.ones(len(self.about))
         for effect, places in self.slabs.items():
             sd[places] = values.get((effect, SLAB_SCALE), 1.0)
-        for each in self.modulations:
-            if each.effect in self.slabs:
-                sd[self.slabs[each.effect]] *= each.mean_sd(values[each.keys[1]])
-        of_functions = [each.sd(*(values[key] for key in each.keys)) for each in self.modulations]
+        for modulation in self.modulations:
+            if modulation.effect in self.slabs:
+                sd[self.slabs[modulation.effect]] *= modulation.mean_sd(values[modulation.keys[1]])
+        of_functions = [modulation.sd(*(values[key] for key in modulation.keys)) for modulation in self.modulations]
         return np.concatenate([sd, *of_functions])
 
     @cached_property
@@ -206,21 +206,21 @@ class JointColumns:
         `groups`: by the effects that are not linear. `differ`, shape (c + 1,): which of a group's columns are its own.
         `terms`, shape (2, n, q).
         """
-        own, alike = np.flatnonzero(differ), np.flatnonzero(~differ)
+        distinct, alike = np.flatnonzero(differ), np.flatnonzero(~differ)
         any_group = next(iter(groups.values()))
         parts, places, first = [any_group.columns[:, :, alike]], {}, len(alike)
         for name, group in groups.items():
-            parts.append(group.columns[:, :, own])
+            parts.append(group.columns[:, :, distinct])
             places[name] = np.empty(len(differ), dtype=int)
-            places[name][alike], places[name][own] = np.arange(len(alike)), first + np.arange(len(own))
-            first += len(own)
+            places[name][alike], places[name][distinct] = np.arange(len(alike)), first + np.arange(len(distinct))
+            first += len(distinct)
         together = []
         for (size, side_by_side), alike_terms in itertools.groupby(
-            sorted(terms, key=lambda own: own.shape[2]), key=_lies
+            sorted(terms, key=lambda term: term.shape[2]), key=_lies
         ):
             of_size, count = list(alike_terms), max(1, TOGETHER // size)
             whole = of_size[0].base
-            if side_by_side and whole is not None and whole.size == sum(each.size for each in of_size):
+            if side_by_side and whole is not None and whole.size == sum(term.size for term in of_size):
                 together.append((size, whole.reshape(*of_size[0].shape[:2], -1)))
                 continue
             parts_of_size = (of_size[start : start + count] for start in range(0, len(of_size), count))
@@ -235,9 +235,9 @@ class JointColumns:
         normaliser = -0.5 * (white.log_determinant + self.values[:, :, 0].size * LOG_2PI)
         return {
             group: GramMatrix(
-                core[np.ix_(own, own)] * np.outer(scale, scale), normaliser, further[own] * scale[:, None], inner
+                core[np.ix_(rows, rows)] * np.outer(scale, scale), normaliser, further[rows] * scale[:, None], inner
             )
-            for group, own in self.places.items()
+            for group, rows in self.places.items()
         }
 
     def heavy_tailed(
@@ -269,10 +269,10 @@ class JointColumns:
         for size, columns in self.terms:
             some = whiten(columns)
             inner.setdefault(size, []).append(some.products_of_blocks(size))
-            for own, white in zip(further, whites, strict=True):
-                own.append(white.products(some))
+            for parts, white in zip(further, whites, strict=True):
+                parts.append(white.products(some))
         by_size = [np.concatenate(blocks, axis=1) for blocks in inner.values()]
-        return [(np.concatenate(own, axis=1), tuple(each[i] for each in by_size)) for i, own in enumerate(further)]
+        return [(np.concatenate(parts, axis=1), tuple(gram[i] for gram in by_size)) for i, parts in enumerate(further)]
 
 
 def _lies(columns: Array) -> tuple[int, int]:
@@ -297,8 +297,8 @@ class TailBound:
     @classmethod
     def at(cls, y: Array, white: Array, variance: Array, dof: float) -> "TailBound":
         """Touch them at the likeliest coefficients, of standard normal priors, of columns (2, n, k) in data (2, n)."""
-        found = student_marginal(y, white, np.ones(white.shape[2]), variance, dof)
-        squared = np.sum((y - white @ found.mean) ** 2 / variance, axis=0)
+        marginal = student_marginal(y, white, np.ones(white.shape[2]), variance, dof)
+        squared = np.sum((y - white @ marginal.mean) ** 2 / variance, axis=0)
         weight = (dof + 2.0) / (dof - 2.0 + squared)
         constant = gammaln(0.5 * dof + 1.0) - gammaln(0.5 * dof) - math.log(math.pi * (dof - 2.0))
         log_normaliser = len(squared) * constant - 0.5 * float(np.log(variance).sum())

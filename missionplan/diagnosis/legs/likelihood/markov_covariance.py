@@ -37,7 +37,7 @@ class WhitenedColumns:
         """Inner products xᵀ Σ⁻¹ y of these columns and others under the first covariance."""
         if other is self:  # a matrix by its own transpose takes half the time
             scaled = self.ahead * np.sqrt(self.weights[:, 0, :, None])
-            return np.asarray(np.sum([each.T @ each for each in scaled], axis=0))
+            return np.asarray(np.sum([columns.T @ columns for columns in scaled], axis=0))
         pairs = zip(self.ahead, self.weights[:, 0], other.ahead, strict=True)
         return np.asarray(np.sum([(mine.T * weight) @ theirs for mine, weight, theirs in pairs], axis=0))
 
@@ -56,13 +56,13 @@ def _of_blocks(columns: Array, size: int, weights: Array) -> Array:
     if size > FEW:
         blocks = columns.reshape(len(columns), -1, size).swapaxes(0, 1)
         return np.asarray(blocks.swapaxes(1, 2) @ (weights[:, None, :, None] * blocks))
-    found = np.zeros((len(weights), columns.shape[1] // size, size, size))
+    products = np.zeros((len(weights), columns.shape[1] // size, size, size))
     together = max(IN_CACHE // columns.shape[1], 1)
     for first in range(0, len(columns), together):
-        rows, own = columns[first : first + together], weights[:, first : first + together]
+        rows, row_weights = columns[first : first + together], weights[:, first : first + together]
         for i, j in itertools.combinations_with_replacement(range(size), 2):
-            found[:, :, j, i] += own @ (rows[:, i::size] * rows[:, j::size])
-    return np.asarray(np.tril(found) + np.swapaxes(np.tril(found, -1), -1, -2))
+            products[:, :, j, i] += row_weights @ (rows[:, i::size] * rows[:, j::size])
+    return np.asarray(np.tril(products) + np.swapaxes(np.tril(products, -1), -1, -2))
 
 
 @dataclass(frozen=True)
@@ -88,8 +88,8 @@ class MarkovCovariance:
 
     def gram(self, values: Array, white: Array, fix_sd: float, process: MarkovProcess | None) -> tuple[Array, float]:
         """Σ over axes of valuesᵀ Σ⁻¹ values, shape (m, m), and ln |Σ|, both axes together; noise as in `prediction`."""
-        found = self.prediction(white, fix_sd, process).whitened(values)
-        return found.products(found), found.log_determinant
+        columns = self.prediction(white, fix_sd, process).whitened(values)
+        return columns.products(columns), columns.log_determinant
 
     def prediction(self, white: Array, fix_sd: float, process: MarkovProcess | None) -> "Prediction":
         """Return how each leg is predicted from those before it.
@@ -126,7 +126,7 @@ class MarkovCovariance:
         n = len(self.under_way)
         total = np.zeros((n, n)) if process is None else self._of_process(process)
         total[np.diag_indices(n)] += fix_sd**2 * self.fix_variance()
-        start, end = (fix_sd * np.broadcast_to(each, n) / self.under_way for each in (self.start_scale, self.end_scale))
+        start, end = (fix_sd * np.broadcast_to(size, n) / self.under_way for size in (self.start_scale, self.end_scale))
         after, shared = np.arange(1, n), self.in_common[1:] * start[1:] * end[:-1]
         total[after - 1, after] -= shared
         total[after, after - 1] -= shared
@@ -171,8 +171,8 @@ def _by_fixes(variance: Array, fixes: Array) -> "Prediction":
 
     `fixes`: error of a leg for a unit of the fix before it and after it, shape (2, n).
     """
-    found = [lapack.dpttrf(own, fixes[0, 1:] * fixes[1, :-1]) for own in variance + np.sum(fixes**2, axis=0)]
-    return Prediction(np.stack([own for own, *_ in found]), np.stack([np.append(0.0, own) for _, own, _ in found]))
+    bands = [lapack.dpttrf(diagonal, fixes[0, 1:] * fixes[1, :-1]) for diagonal in variance + np.sum(fixes**2, axis=0)]
+    return Prediction(np.stack([diag for diag, *_ in bands]), np.stack([np.append(0.0, sub) for _, sub, _ in bands]))
 
 
 def _by_process(variance: Array, fixes: Array, share: Array, kept: Array, added: Array) -> "Prediction":
@@ -185,8 +185,8 @@ def _by_process(variance: Array, fixes: Array, share: Array, kept: Array, added:
     columns = (of_process, start, end, comes_up, with_process, until * over, over**2 * before + under_way)
     rows = np.stack(columns, axis=1).tolist()
     unlike = variance if np.any(variance[0] != variance[1]) else variance[:1]
-    found = np.broadcast_to([_filtered(rows, own) for own in unlike.tolist()], (2, len(rows), 3))
-    return Prediction(found[:, :, 0], found[:, :, 1], (of_process, until * over, found[:, :, 2]))
+    predictions = np.broadcast_to([_filtered(rows, variances) for variances in unlike.tolist()], (2, len(rows), 3))
+    return Prediction(predictions[:, :, 0], predictions[:, :, 1], (of_process, until * over, predictions[:, :, 2]))
 
 
 def _filtered(rows: list[list[float]], variances: list[float]) -> list[tuple[float, float, float]]:
@@ -196,15 +196,15 @@ def _filtered(rows: list[list[float]], variances: list[float]) -> list[tuple[flo
     that comes up on the leg, what of it goes with the process, the share that this keeps, and the variance that is
     added to it. `variances`: what no state explains [m²/s²].
     """
-    found, after, known, tied, left = [], 0.0, 0.0, 0.0, 1.0
-    for (of_process, before, end, added, both, kept, grown), own in zip(rows, variances, strict=True):
-        with_process, with_fix = known * of_process + tied * before, tied * of_process + left * before
-        total = of_process * with_process + before * with_fix + added + own
+    predictions, after, spread, tied, left = [], 0.0, 0.0, 0.0, 1.0
+    for (of_process, before, end, added, both, kept, grown), rest in zip(rows, variances, strict=True):
+        with_process, with_fix = spread * of_process + tied * before, tied * of_process + left * before
+        total = of_process * with_process + before * with_fix + added + rest
         gain = (kept * with_process + both) / total
-        found.append((total, before * after, gain))
+        predictions.append((total, before * after, gain))
         after = end / total
-        known, tied, left = kept * kept * known + grown - gain * gain * total, -gain * end, 1.0 - after * end
-    return found
+        spread, tied, left = kept * kept * spread + grown - gain * gain * total, -gain * end, 1.0 - after * end
+    return predictions
 
 
 MANY = 256
@@ -234,22 +234,22 @@ class Prediction:
         """Solve for what legs have beyond their predictions, in turn with the process where there is one."""
         _, n, m = values.shape
         states = 1 if self.of_process is None else 2
-        found = np.zeros((2, m, states * n))
-        found[:, :, ::states] = np.swapaxes(values, 1, 2)
-        for axis, columns in enumerate(found):
+        solution = np.zeros((2, m, states * n))
+        solution[:, :, ::states] = np.swapaxes(values, 1, 2)
+        for axis, columns in enumerate(solution):
             band = np.zeros((states * n, states + 1))
             band[:-states:states, -1] = of_fix[axis, 1:]
             if self.of_process is not None:
                 of_process, kept, gain = self.of_process
                 band[::2, 1], band[1:-1:2, 1], band[1:-1:2, 2] = -gain[axis], of_process[1:], -kept[1:]
             lapack.dtbtrs(band.T, columns.T, uplo="L", diag="U", overwrite_b=1)  # in place
-        return np.swapaxes(found, 1, 2)[:, ::states]
+        return np.swapaxes(solution, 1, 2)[:, ::states]
 
     def _side_by_side(self, values: Array) -> Array:
         """The same, the cost of a leg hardly growing with the number of columns."""
         assert self.of_fix is not None
-        found = np.array(values, order="C")
-        for axis, columns in enumerate(found):
+        solution = np.array(values, order="C")
+        for axis, columns in enumerate(solution):
             before, state = np.zeros((2, columns.shape[1]))
             of_fix = self.of_fix[axis].tolist()
             if self.of_process is None:
@@ -263,4 +263,4 @@ class Prediction:
                 before = blas.daxpy(state, row, a=-by_process)
                 state *= left
                 blas.daxpy(row, state, a=gained)
-        return found
+        return solution

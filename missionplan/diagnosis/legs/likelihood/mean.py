@@ -86,29 +86,29 @@ class TransitMean:
     @cached_property
     def candidates(self) -> Causes:
         """Effects of the catalogue that this record could show, but for those that act by their terms."""
-        own = (info for info in named_effects("transit") if not info.terms)
-        return tuple(info.id for info in own if info.id not in self.untestable)
+        infos = (info for info in named_effects("transit") if not info.terms)
+        return tuple(info.id for info in infos if info.id not in self.untestable)
 
     @cached_property
     def coordinates(self) -> tuple[Coordinate, ...]:
         """Coordinates of all causes of the mean, and of the mission's own effects in it."""
-        found = list(self._resolvable if self.only is None else self.only)
+        coordinates = list(self._resolvable if self.only is None else self.only)
         if self.acting is not None:
-            found += self.acting.coordinates
-        return tuple(sorted(found, key=lambda coordinate: self._order[coordinate.effect]))
+            coordinates += self.acting.coordinates
+        return tuple(sorted(coordinates, key=lambda coordinate: self._order[coordinate.effect]))
 
     @cached_property
     def _resolvable(self) -> list[Coordinate]:
         """Coordinates of the causes of the mean that the record can resolve, and of the mission's own effects in it."""
-        found: list[Coordinate] = []
+        coordinates: list[Coordinate] = []
         for info in map(CATALOGUE.__getitem__, self.candidates):
             if info.part == "mean":
                 names = info.resolvable(self.record.duration) if info.resolvable is not None else None
-                found += [self._limited(coordinate) for coordinate in coordinates_of(info, names)]
-        known = {(coordinate.effect, coordinate.name) for coordinate in found}
-        for each in self.given_in_mean:
-            found += [c for c in each.coordinates if (c.effect, c.name) not in known]
-        return found
+                coordinates += [self._limited(coordinate) for coordinate in coordinates_of(info, names)]
+        keys = {(coordinate.effect, coordinate.name) for coordinate in coordinates}
+        for prior in self.given_in_mean:
+            coordinates += [c for c in prior.coordinates if (c.effect, c.name) not in keys]
+        return coordinates
 
     @cached_property
     def _order(self) -> dict[str, int]:
@@ -117,10 +117,10 @@ class TransitMean:
     @cached_property
     def given_in_mean(self) -> tuple[GivenEffect, ...]:
         """The mission's own effects on the mean of the errors, without their modulation."""
-        known = ((each, CATALOGUE[each.effect]) for each in self.given)
+        pairs = ((prior, CATALOGUE[prior.effect]) for prior in self.given)
         return tuple(
-            each.only(info.parameters.keys() - MODULATION_PARAMETERS.keys()) if info.is_modulated else each
-            for each, info in known
+            prior.only(info.parameters.keys() - MODULATION_PARAMETERS.keys()) if info.is_modulated else prior
+            for prior, info in pairs
             if info.part == "mean"
         )
 
@@ -128,8 +128,8 @@ class TransitMean:
     def expected(self) -> Array:
         """Coordinates that the mission expects: those of its own effects, zero for the others, shape (k,)."""
         values = np.zeros(len(self.coordinates))
-        for each in self.given_in_mean:
-            values[places_in(self.coordinates, each)] = each.mean
+        for prior in self.given_in_mean:
+            values[places_in(self.coordinates, prior)] = prior.mean
         return values
 
     def _limited(self, coordinate: Coordinate) -> Coordinate:
@@ -157,8 +157,8 @@ class TransitMean:
 
         On the principal axes [m/s].
         """
-        told = self.fix_share * self.gaps.velocity_error(self.data.under_way) if self.fix_share else 0.0
-        return self.axes.T @ (self.data.velocity_error - self.base - told)
+        gap_error = self.fix_share * self.gaps.velocity_error(self.data.under_way) if self.fix_share else 0.0
+        return self.axes.T @ (self.data.velocity_error - self.base - gap_error)
 
     @cached_property
     def gaps(self) -> FixGaps:
@@ -188,10 +188,10 @@ class TransitMean:
     @cached_property
     def by_effect(self) -> dict[str, list[int]]:
         """Indices of each effect's coordinates."""
-        found: dict[str, list[int]] = {}
+        indices: dict[str, list[int]] = {}
         for index, coordinate in enumerate(self.coordinates):
-            found.setdefault(coordinate.effect, []).append(index)
-        return found
+            indices.setdefault(coordinate.effect, []).append(index)
+        return indices
 
     def velocity_error(self, effects: Iterable[TransitEffect]) -> Array:
         """Mean velocity errors of effects together, drift at the surface included, shape (2, n) [m/s]."""
@@ -201,9 +201,9 @@ class TransitMean:
 
     def water(self, names: Iterable[str], values: Array) -> Array:
         """Velocity of the water on each leg by the site's current and some effects, shape (2, n) [m/s]."""
-        own = [index for name in names for index in self.by_effect.get(name, ())]
-        made = parameters_from([self.coordinates[index] for index in own], values[own])
-        effects = (cast(TransitEffect, CATALOGUE[name].make(each)) for name, each in made.items())
+        indices = [index for name in names for index in self.by_effect.get(name, ())]
+        made = parameters_from([self.coordinates[index] for index in indices], values[indices])
+        effects = (cast(TransitEffect, CATALOGUE[name].make(parameters)) for name, parameters in made.items())
         moved = (effect.velocity(self.leg) for effect in effects if not effect.changes_course)
         return np.asarray(sum(moved, np.zeros((2, self.data.n))) + self.site_current)
 
@@ -213,11 +213,11 @@ class TransitMean:
 
     def _made(self, names: Iterable[str], values: Array) -> dict[str, TransitEffect]:
         """Effects of some names at given coordinates."""
-        own = [index for name in names for index in self.by_effect[name]]
-        made = parameters_from([self.coordinates[index] for index in own], values[own])
+        indices = [index for name in names for index in self.by_effect[name]]
+        made = parameters_from([self.coordinates[index] for index in indices], values[indices])
         if self.acting is not None and self.acting.effect in made:
             made[self.acting.effect] |= self.acting.shapes
-        return {name: cast(TransitEffect, CATALOGUE[name].make(each)) for name, each in made.items()}
+        return {name: cast(TransitEffect, CATALOGUE[name].make(parameters)) for name, parameters in made.items()}
 
     @cached_property
     def _on_course(self) -> tuple[str, ...]:
@@ -243,19 +243,19 @@ class TransitMean:
 
     def _differences(self, indices: Sequence[int], about: Array) -> Array:
         """Columns of some coordinates, all other effects held where they are, shape (2, n, m)."""
-        held = {name: HeldEffect(each, self.leg) for name, each in self._made(self._on_course, about).items()}
-        found = np.empty((2, self.data.n, len(indices)))
+        effects = {name: HeldEffect(effect, self.leg) for name, effect in self._made(self._on_course, about).items()}
+        columns = np.empty((2, self.data.n, len(indices)))
         for place, index in enumerate(indices):
             coordinate = self.coordinates[index]
-            beside = held if coordinate.effect in held else {}
+            beside = effects if coordinate.effect in effects else {}
             step = np.zeros(len(about))
             step[index] = DIFFERENCE_STEP * coordinate.slab
             ahead, behind = (
                 self.velocity_error({**beside, **self._made((coordinate.effect,), about + sign * step)}.values())
                 for sign in (1.0, -1.0)
             )
-            found[:, :, place] = self.axes.T @ (ahead - behind) / (2.0 * step[index])
-        return found
+            columns[:, :, place] = self.axes.T @ (ahead - behind) / (2.0 * step[index])
+        return columns
 
     @cached_property
     def columns_as_expected(self) -> Array:
@@ -273,11 +273,11 @@ class TransitMean:
             if CATALOGUE[coordinate.effect].is_steady_current:
                 spread[index] = math.hypot(spread[index], self.current_sd[coordinate.name == "north"])
         mean, factor = np.zeros(len(spread)), np.diag(spread)
-        for each in tied(held(self.given_in_mean, causes)):
-            own = places_in(self.coordinates, each)
-            mean[own] = each.mean
-            values, vectors = np.linalg.eigh(each.here)
-            factor[np.ix_(own, own)] = vectors * np.sqrt(np.maximum(values, 0.0))
+        for prior in tied(held(self.given_in_mean, causes)):
+            indices = places_in(self.coordinates, prior)
+            mean[indices] = prior.mean
+            values, vectors = np.linalg.eigh(prior.here)
+            factor[np.ix_(indices, indices)] = vectors * np.sqrt(np.maximum(values, 0.0))
         return CoordinatePrior(mean, factor)
 
     def linearised(self, causes: Causes, about: Array | None = None, forms: Forms = STEADY) -> LinearisedLegs:
@@ -295,9 +295,11 @@ class TransitMean:
         y = y + columns @ (about - prior.mean)
         of_modulations = [self._modulation_columns(name, about) for name in forms.modulated]
         of_modulations += [self._wandering_columns(name) for name in forms.wandering]
-        standardised = np.concatenate([columns @ prior.factor, *(found for _, found in of_modulations)], axis=2)
-        slabs = {name: own for name, own in self.by_effect.items() if name in causes}
-        return LinearisedLegs(about, prior, y, standardised, slabs, tuple(each for each, _ in of_modulations))
+        standardised = np.concatenate([columns @ prior.factor, *(block for _, block in of_modulations)], axis=2)
+        slabs = {name: indices for name, indices in self.by_effect.items() if name in causes}
+        return LinearisedLegs(
+            about, prior, y, standardised, slabs, tuple(modulation for modulation, _ in of_modulations)
+        )
 
     def _wandering_columns(self, name: str) -> tuple[Modulation, Array]:
         """Slow amplitude of an oscillation that wanders, in usual sizes, and its columns, shape (2, n, m)."""
@@ -309,9 +311,9 @@ class TransitMean:
 
     def _modulation_columns(self, name: str, about: Array) -> tuple[Modulation, Array]:
         """Slow modulation of an oscillation, and its columns, shape (2, n, m)."""
-        own = self.by_effect[name]
+        indices = self.by_effect[name]
         quadrature = about.copy()
-        quadrature[own[::2]], quadrature[own[1::2]] = -about[own[1::2]], about[own[::2]]
+        quadrature[indices[::2]], quadrature[indices[1::2]] = -about[indices[1::2]], about[indices[::2]]
         in_phase, in_quadrature = (self._error((name,), values) for values in (about, quadrature))
         modulation, functions = smooth_functions(name, self.data.middle)
         columns = modulated_columns(functions, in_phase, in_quadrature)
