@@ -1,7 +1,7 @@
 """`diagnose`: a mission and a data set in; verdict, causes, extended mission and gain out."""
 
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import partial
 from itertools import count
@@ -12,7 +12,7 @@ from threadpoolctl import threadpool_limits
 
 from missionplan.datasets import files_outside
 from missionplan.diagnosis.data_kind import DataKind
-from missionplan.diagnosis.explanations import hypotheses, odds, weighed, weighed_with_causes, with_found
+from missionplan.diagnosis.explanations import Weighed, hypotheses, odds, weighed, weighed_with_causes, with_found
 from missionplan.diagnosis.extended_mission import extended_mission
 from missionplan.diagnosis.given import forecast_notice
 from missionplan.diagnosis.inference.experiment_design import Discrimination, discriminations
@@ -26,6 +26,7 @@ from missionplan.results import Provenance
 from missionplan.results.learned import Diagnosis, PlanGain
 from missionplan.results.learned.evidence import GroupScore, Judgement, RankedSet
 from missionplan.results.learned.levels import ParameterLevels
+from missionplan.results.learned.next_trial import NextTrial
 from missionplan.store.folder import as_path
 from missionplan.studies.history import parameter_levels
 from missionplan.studies.run import Run, check_arguments
@@ -129,16 +130,8 @@ def _diagnose(
     separated = _separated(bound, pipeline_result, judgement, jobs)
     stage()
     decision = bound.plan_gain(mission, extended, seed=seed, jobs=jobs) if asked.plan and is_new else PlanGain()
-    trial, untold = None, tuple[str, ...]()
-    if asked.next_trial and is_new:
-        from missionplan.diagnosis.next_trial import next_trial  # models of legs and dives, for it alone
-
-        trial = next_trial(explanations, pipeline_result, scale, seed)
-        if trial.trial is not None:  # its mission names the draws that the extended one does: both lie beside them
-            common: dict[str, object] = {key: extended[key] for key in ("posterior", "learned_from") if key in extended}
-            trial = replace(trial, trial={**trial.trial, **common})
-    elif asked.next_trial:
-        untold = (NO_TRIAL,)
+    trial = _next_trial(explanations, pipeline_result, scale, seed, extended) if asked.next_trial and is_new else None
+    untold = (NO_TRIAL,) if asked.next_trial and not is_new else ()
     provenance = Run("diagnose", mission, 0, seed, started=started).provenance(
         {"dataset": str(dataset), "jobs": jobs, **asdict(asked)},
         datasets=[dataset],
@@ -158,6 +151,21 @@ def _diagnose(
     levels = _levels(Mission.from_data(extended, file=mission.file), seed, urgency=asked.plan and is_new)
     in_doubt = odds(explanations, believed)
     return replace(result, next_trial=trial, explanations=in_doubt, last_part=last, levels=levels)
+
+
+def _next_trial(
+    explanations: Sequence[Weighed],
+    pipeline_result: PipelineResult,
+    scale: float,
+    seed: int,
+    extended: Mapping[str, object],
+) -> NextTrial:
+    """Choose the trial that would serve best; its mission names the draws that the extended one does."""
+    from missionplan.diagnosis.next_trial import next_trial  # models of legs and dives, for it alone
+
+    trial = next_trial(explanations, pipeline_result, scale, seed)
+    common = {key: extended[key] for key in ("posterior", "learned_from") if key in extended}
+    return trial if trial.trial is None else replace(trial, trial={**trial.trial, **common})
 
 
 def _levels(learned: Mission, seed: int, *, urgency: bool) -> tuple[ParameterLevels, ...]:

@@ -77,16 +77,7 @@ def answer(campaign: Campaign) -> str:
     aged = findings.ageing_in_words(last.levels, names_of, simulated=simulated)
     suspects = [f"{name}: {words}" for name, diagnosis in named if (words := findings.suspects_in_words(diagnosis))]
     if not informed_by:
-        adequate = f"The mission's model is adequate for {'both' if many == 2 else f'all {many}'} data sets: "
-        adequate += "none asks for a cause."
-        left = [name for name, diagnosis in named if diagnosis.verdict == "unexplained"]
-        if not any(diagnosis.learned_from for diagnosis in campaign.diagnoses):
-            adequate = "Nothing new: the mission has learned from all of these data, which count once."
-        elif left:
-            adequate = f"No cause of the catalogue explains what is left in {listed(left)}."
-        elif (least := min(diagnosis.nothing for diagnosis in campaign.diagnoses)) < findings.LIKELIER:
-            adequate = findings.open_in_words("these data sets", "that one asks for a cause", least)
-        return " ".join([*suspects, adequate, *aged])
+        return " ".join([*suspects, _without_cause(campaign), *aged])
     effects = ", ".join(effect.replace("-", " ") for effect in informed_by)
     shared = ", ".join(effect.replace("-", " ") for effect in campaign.shared)
     more = f" More than one of them bore on {shared}." if shared else " No two of them bore on the same effect."
@@ -108,6 +99,21 @@ def answer(campaign: Campaign) -> str:
             *_doubts(learned),
         ]
     )
+
+
+def _without_cause(campaign: Campaign) -> str:
+    """Say of data sets of which none bore on an effect whether the mission's model is adequate."""
+    pairs = zip(campaign.names, campaign.diagnoses, strict=True)
+    left = [name for name, diagnosis in pairs if diagnosis.verdict == "unexplained"]
+    least, many = min(diagnosis.nothing for diagnosis in campaign.diagnoses), len(campaign.diagnoses)
+    if not any(diagnosis.learned_from for diagnosis in campaign.diagnoses):
+        return "Nothing new: the mission has learned from all of these data, which count once."
+    if left:
+        return f"No cause of the catalogue explains what is left in {listed(left)}."
+    if least < findings.LIKELIER:
+        return findings.open_in_words("these data sets", "that one asks for a cause", least)
+    both = "both" if many == 2 else f"all {many}"
+    return f"The mission's model is adequate for {both} data sets: none asks for a cause."
 
 
 def _doubts(learned: Mapping[str, object]) -> list[str]:

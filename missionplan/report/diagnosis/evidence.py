@@ -264,10 +264,15 @@ def distinction_section(diagnosis: Diagnosis) -> PageSection:
     if diagnosis.untestable:
         rows = [[name.replace("-", " "), why] for name, why in diagnosis.untestable.items()]
         blocks.append(Table(["Effect that these data cannot show", "Why"], rows, text_columns=2))
-    heading = "Nothing else comes near" if diagnosis.causes else "No cause comes near"
-    claimed, likely = {*diagnosis.causes}, [e for e in diagnosis.ranking if (e.posterior or 0.0) > 1.0 - SURE]
-    if diagnosis.indistinguishable or any(not (claimed and claimed <= {*entry.causes}) for entry in likely):
-        heading = "What these data cannot distinguish, and what would"
+    heading = _what_is_near(diagnosis)
     if not diagnosis.ranking:
         heading, blocks[0] = "What these data could not show", "No cause was compared with another."
     return PageSection(heading, blocks)
+
+
+def _what_is_near(diagnosis: Diagnosis) -> str:
+    claimed = {*diagnosis.causes}
+    likely = [entry.causes for entry in diagnosis.ranking if (entry.posterior or 0.0) > 1.0 - SURE]
+    if diagnosis.indistinguishable or any(not (claimed and claimed <= {*causes}) for causes in likely):
+        return "What these data cannot distinguish, and what would"
+    return "Nothing else comes near" if claimed else "No cause comes near"

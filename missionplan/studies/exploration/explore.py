@@ -195,15 +195,7 @@ def explore(
     else:
         samples = run_cells([(cell, *block) for cell in range(len(places)) for block in sized_blocks(trials)])
         raced = Race(samples, frozenset(), trials * len(places))
-    cells = [
-        replace(
-            cell_of(place, mission, sample.columns, sample.reason),
-            dropped=number in raced.dropped and not sample.reason,
-        )
-        for number, (place, sample) in enumerate(zip(places, raced.trials, strict=True))
-    ]
-    _check_any_runs(cells)
-    best = find_best(cells, [sample.columns for sample in raced.trials], aim)
+    best = find_best(_cells(mission, places, raced), [sample.columns for sample in raced.trials], aim)
     return Exploration(
         provenance=run.provenance(
             {
@@ -221,6 +213,19 @@ def explore(
         members=_members(task, axes, raced.trials, best.best, trials),
         assumptions=_assumed(task, best.cells, best.best) if best.constrained and mission.requirements else (),
     )
+
+
+def _cells(mission: Mission, places: Sequence[tuple[int, ...]], raced: Race) -> list[Cell]:
+    """Return the cells as their trials have them, of which at least one can be run."""
+    cells = [
+        replace(
+            cell_of(place, mission, sample.columns, sample.reason),
+            dropped=number in raced.dropped and not sample.reason,
+        )
+        for number, (place, sample) in enumerate(zip(places, raced.trials, strict=True))
+    ]
+    _check_any_runs(cells)
+    return cells
 
 
 def _assumed(task: CellTask, cells: Sequence[Cell], best: int | None) -> tuple[Assumption, ...]:

@@ -9,7 +9,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from missionplan.mission import Mission
-from missionplan.montecarlo.alternatives import compare_with_best, pareto_front
+from missionplan.montecarlo.alternatives import PairedDifferences, compare_with_best, pareto_front
 from missionplan.montecarlo.statistics import Count, Probability, Statistic
 from missionplan.results import Provenance, Result, to_csv, to_grid
 from missionplan.results.decision import Aim, Assumption, Axis, MemberOutcome
@@ -302,11 +302,16 @@ def find_best(cells: Sequence[Cell], trials: Sequence[Trials], aim: Aim) -> Best
     comparison = compare_with_best(
         [trials[index][column] for index in compared], compared.index(best), most=column == SUCCESS
     )
+    judged = _beside_best(cells, compared, comparison)
+    return Best(_with_front([judged.get(i, cell) for i, cell in enumerate(cells)]), best, constrained)
+
+
+def _beside_best(cells: Sequence[Cell], compared: Sequence[int], comparison: PairedDifferences) -> dict[int, Cell]:
+    """Cells that were compared, by their number, with how far they are from the best."""
     rows = zip(compared, comparison.worse.tolist(), comparison.error.tolist(), comparison.as_good.tolist(), strict=True)
-    judged = {
+    return {
         index: replace(cells[index], worse=worse, worse_error=error, as_good=good) for index, worse, error, good in rows
     }
-    return Best(_with_front([judged.get(i, cell) for i, cell in enumerate(cells)]), best, constrained)
 
 
 def rank(cell: Cell, column: str) -> tuple[float, float]:
