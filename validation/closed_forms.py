@@ -11,7 +11,7 @@ from benchmarks import rare, recommended
 from missionplan.montecarlo.sensitivity import sensitivities
 from missionplan.phases.currents import layers
 from missionplan.phases.ensemble import NORMALS, WAVES, ErrorWaves, Statistics
-from missionplan.phases.transit.expectation import expected_cost, expected_transit
+from missionplan.phases.transit.expectation import expected_transit
 from missionplan.phases.transit.policy import best_legs
 from missionplan.physics.held_line import CROSSFLOW_COEFFICIENT, HeldLine
 from missionplan.physics.line_statics import held_pose
@@ -460,9 +460,9 @@ def _adaptive_legs(_: Options) -> list[float]:
         (14_816.0, 1.2, 10.0, 0.035),
     ):
         table = best_legs(distance, speed, radius, sigma, 90.0).legs
-        ours = expected_cost(distance, table, speed, radius, sigma, 90.0)
+        ours = expected_transit(distance, table, speed, radius, sigma, 90.0).cost
         shares = np.concatenate([0.995 / np.arange(1, 13), np.linspace(0.85, 0.99, 15)])
-        fixed = min(expected_cost(distance, share * distance, speed, radius, sigma, 90.0) for share in shares)
+        fixed = min(expected_transit(distance, share * distance, speed, radius, sigma, 90.0).cost for share in shares)
         ratios.append(ours / fixed)
         run, surfacings = transits.monte_carlo(distance, table, speed, radius, sigma, trials=60_000)
         cost = (run / speed + 90.0 * (surfacings - 1.0)) * speed / distance - 1.0

@@ -11,7 +11,7 @@ from scipy.optimize import brentq, minimize_scalar
 from missionplan.effects.dive_forces import DragBias
 from missionplan.mission import load
 from missionplan.phases.mooring.forces import Dive
-from missionplan.phases.transit.expectation import expected_cost
+from missionplan.phases.transit.expectation import expected_transit
 from missionplan.physics import tank, tunnel_thruster
 from missionplan.scenario.anchors import worst_case_weight
 from missionplan.scenario.phases import dive_of
@@ -41,7 +41,7 @@ from validation.rows import MISSIONS, Measured, Options, at_least, at_most, betw
 )
 def _fig_8(_: Options) -> Measured:
     def cost(share: float, sigma: float) -> float:
-        return expected_cost(d_max=share * FIG8["distance"], sigma=sigma, **FIG8)
+        return expected_transit(d_max=share * FIG8["distance"], sigma=sigma, **FIG8).cost
 
     away = [abs(cost(share, sigma) - c) for share, known in HIGH_PRECISION.items() for sigma, c in known.items()]
     shares = np.linspace(0.8, 1.0, 41)

@@ -6,7 +6,7 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import numpy as np
 
-from missionplan.phases.transit.expectation import expected_cost, expected_transit
+from missionplan.phases.transit.expectation import expected_transit
 from missionplan.phases.transit.policy import best_legs
 
 FOLDER = Path(__file__).parent
@@ -56,11 +56,11 @@ def policy() -> None:
     sigmas = np.linspace(0.005, 0.08, 16)
     ratios = np.linspace(0.1, 1.0, 91)
     fixed = [
-        min(expected_cost(DISTANCE, r * DISTANCE, SPEED, ARRIVAL_RADIUS, s, SURFACING_TIME) for r in ratios)
+        min(expected_transit(DISTANCE, r * DISTANCE, SPEED, ARRIVAL_RADIUS, s, SURFACING_TIME).cost for r in ratios)
         for s in sigmas
     ]
     best = [best_legs(DISTANCE, SPEED, ARRIVAL_RADIUS, s, SURFACING_TIME).bound for s in sigmas]
-    one_leg = [expected_cost(DISTANCE, DISTANCE, SPEED, ARRIVAL_RADIUS, s, SURFACING_TIME) for s in sigmas]
+    one_leg = [expected_transit(DISTANCE, DISTANCE, SPEED, ARRIVAL_RADIUS, s, SURFACING_TIME).cost for s in sigmas]
     for name, values, place in (
         ("one leg", one_leg, "bottom"),
         ("best fixed d_max", fixed, "bottom"),

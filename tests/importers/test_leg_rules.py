@@ -213,7 +213,7 @@ def test_a_spoilt_leg_is_left_out_with_the_reason(change, reason):
     assert reason in found.dives["reason"][2]
 
 
-@pytest.mark.parametrize(("count", "more"), [(1, ""), (2, ", and 1 times more"), (3, ", and 2 times more")])
+@pytest.mark.parametrize(("count", "more"), [(1, ""), (2, ", and 1 time more"), (3, ", and 2 times more")])
 def test_clocks_that_jump_are_told_with_how_often_more(count, more):
     log = made(legs=3)
     jumps = tuple(Break(float(log.starts[k]) + 900.0, "the clock jumps back (30 s)") for k in range(count))
