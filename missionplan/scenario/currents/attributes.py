@@ -194,11 +194,18 @@ def times_along(variable: "DataArray", dataset: "Dataset") -> NDArray[np.datetim
 
 
 def valid(variable: "DataArray") -> NDArray[np.floating]:
-    """Return values, nan where they are beyond the valid ones; of packed numbers these are packed too (NUG, app. A)."""
+    """Return values, nan where they are beyond the valid ones; of packed numbers these are packed too (NUG, app. A).
+
+    Raises FieldAttributeError when the valid range is not of two numbers.
+    """
     values, said, packed = variable.to_numpy(), variable.attrs, variable.encoding
-    written = np.ravel(said.get("valid_range", (said.get("valid_min", -np.inf), said.get("valid_max", np.inf))))
-    low, high = (float(bound) for bound in written)
-    if written.dtype.kind in "iu" and "scale_factor" in packed:
+    written = said.get("valid_range", (said.get("valid_min", -np.inf), said.get("valid_max", np.inf)))
+    try:
+        low, high = (float(bound) for bound in written)
+    except (TypeError, ValueError):
+        message = f"{variable.name} has a valid range of {written!r}; expected two numbers"
+        raise FieldAttributeError(message) from None
+    if "scale_factor" in packed and any(np.asarray(bound).dtype.kind in "iu" for bound in written):
         low, high = sorted(packed["scale_factor"] * bound + packed.get("add_offset", 0.0) for bound in (low, high))
     if not np.isfinite([low, high]).any() or "_Unsigned" in packed:
         return np.asarray(values)

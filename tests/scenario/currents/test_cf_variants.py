@@ -7,6 +7,7 @@ import pytest
 
 from missionplan.errors import InputError
 from missionplan.mission.schema.place import Geographic, to_geographic
+from missionplan.scenario.currents import attributes
 from missionplan.scenario.currents.area import Area
 from missionplan.scenario.currents.reading import read_field
 
@@ -357,6 +358,21 @@ def test_what_is_beyond_the_valid_range_is_none(tmp_path, plain, packed):
             variable[:] = file[f"old_{name}"][:]
             variable[:, :, 2, 2] = filled
     assert drift(path) == pytest.approx(plain, rel=1e-3)
+
+
+@pytest.mark.parametrize(("low", "is_left_out"), [(-5000, True), (-32768, False)])
+def test_a_lowest_value_alone_of_packed_numbers_is_packed(low, is_left_out):
+    xarray = pytest.importorskip("xarray")
+    variable = xarray.DataArray([0.1, -9.0], attrs={"valid_min": np.int16(low)})
+    variable.encoding = {"scale_factor": 1e-3}
+    assert np.isnan(attributes.valid(variable)).tolist() == [False, is_left_out]
+
+
+@pytest.mark.parametrize("said", [{"valid_range": "-5, 5"}, {"valid_range": [1.0, 2.0, 3.0]}, {"valid_min": "none"}])
+def test_a_valid_range_that_is_not_of_two_numbers_is_named(said):
+    xarray = pytest.importorskip("xarray")
+    with pytest.raises(attributes.FieldAttributeError, match=r"u has a valid range of .*; expected two numbers"):
+        attributes.valid(xarray.DataArray([0.1], name="u", attrs=said))
 
 
 def test_a_scalar_coordinate_is_the_depth_of_a_field_without_a_vertical_axis(tmp_path):
