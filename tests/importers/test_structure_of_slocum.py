@@ -4,7 +4,11 @@ Format: Teledyne Webb Research, dinkum binary data: a header of text, the list o
 byte order, then cycles: two bits a sensor say whether it is not updated, the same, or new.
 """
 
+import os
 import struct
+import subprocess
+import sys
+from importlib.util import find_spec
 
 import numpy as np
 import pytest
@@ -15,7 +19,7 @@ from missionplan.errors import InputError
 from missionplan.importers import import_logs
 from missionplan.importers.importer import ReadOptions, SourceLog, known_importers
 
-pytest.importorskip("dbdreader", reason="dbdreader is not installed")
+pytestmark = pytest.mark.skipif(not find_spec("dbdreader"), reason="dbdreader is not installed")
 VOYAGE = made(legs=4, duration=2400.0, pause=600.0, step=20.0)
 FLIGHT = {"m_present_time": 8, "m_gps_lat": 8, "m_gps_lon": 8, "m_gps_status": 1, "m_lat": 8, "m_lon": 8, "m_gps_mag_var": 4, "m_depth": 4,
           "m_heading": 4, "m_pitch": 4, "m_present_secs_into_mission": 4, "x_other": 2}  # fmt: skip
@@ -198,3 +202,19 @@ def test_two_gliders_are_asked_for(plain, tmp_path):
         (tmp_path / f"{k}.sbd").unlink()
     with pytest.raises(InputError, match=r"other \(1 file\), unit \(1 file\)"):
         import_logs([tmp_path])
+
+
+@pytest.mark.parametrize(("home", "says"), [("here", None), ("file/below", "a folder at home, which cannot be made")])
+def test_the_library_makes_its_folder_at_home_or_says_why_not(tmp_path, home, says):
+    """Found on a fresh machine: two processes that import it at once made the same folder."""
+    (tmp_path / "file").write_text("")
+    code = "from missionplan.importers.readers.slocum import _library; _library('dbdreader')"
+    runs = [
+        subprocess.Popen(
+            [sys.executable, "-c", code], env={**os.environ, "HOME": str(tmp_path / home)}, stderr=subprocess.PIPE
+        )
+        for _ in range(2)
+    ]
+    for run in runs:
+        words = run.communicate()[1].decode()
+        assert says in words if says else run.returncode == 0 and not words

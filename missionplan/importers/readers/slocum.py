@@ -57,6 +57,20 @@ def identity(path: Path) -> Identity:
     return Identity(matched[1] if matched else "")
 
 
+def _library(name: str) -> ModuleType:
+    """Import the package, which makes a folder at home for lists of sensors as it is imported.
+
+    Raises InputError when it is not installed, or that folder cannot be made.
+    """
+    try:
+        return needed_module(name, "slocum", "slocum")
+    except FileExistsError:  # another process has made the folder meanwhile
+        return needed_module(name, "slocum", "slocum")
+    except OSError as error:
+        message = f"the package dbdreader keeps lists of sensors in a folder at home, which cannot be made: {error}"
+        raise InputError([Problem(message, hint="set HOME to a folder that can be written to")]) from None
+
+
 def _header(path: Path) -> bytes:
     """First bytes of a file, in which its header stands; unpacked where it is packed.
 
@@ -65,14 +79,14 @@ def _header(path: Path) -> bytes:
     if path.suffix[2:3].lower() != "c":
         with path.open("rb") as stream:
             return stream.read(_HEADER)
-    library = needed_module("dbdreader.decompress", "slocum", "slocum")
+    library = _library("dbdreader.decompress")
     with library.Decompressor(str(path)) as packed:
         return bytes(next(packed.decompressed_blocks(1), b""))[:_HEADER]
 
 
 def read(files: Sequence[Path], options: ReadOptions, log: SourceLog) -> Track:
     """Read the files as one track."""
-    library = needed_module("dbdreader", "slocum", "slocum")
+    library = _library("dbdreader")
     store = ChannelStore()
     with tempfile.TemporaryDirectory() as cache:
         _link_sensor_lists(library, Path(cache), files, options.cache)
