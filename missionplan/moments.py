@@ -2,8 +2,9 @@
 
 import math
 import re
+from collections.abc import Mapping
 from datetime import UTC, date, datetime, timedelta, timezone
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -30,6 +31,13 @@ _SECONDS = {
     "h": ("h", "hr", "hour"),
     "d": ("d", "day"),
 }
+_TEXTS = ("long_name", "comment", "description")
+"""Attributes of times that people read."""
+_OTHER_ZONE = re.compile(
+    r"(?i:\b(?:UTC|GMT)\s*[+-]\s*0?[1-9]\d*|\blocal(?:[\s_-]+\w+){0,2}[\s_-]+time\b|^\W*local\W*$)"
+    r"|\b(?:[ACEMP][DS]T|AK[DS]T|HA?ST|[CE]ES?T|MES?Z|BST|JST|AE[DS]T|NZ[DS]T)\b"
+)
+_PLAIN_UTC = re.compile(r"\b(?:UTC|GMT)\b(?!\s*[+-]\s*0?[1-9])", re.IGNORECASE)
 _LENGTHS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0, "d": 86400.0}
 _CALENDARS = ("", "standard", "gregorian", "proleptic_gregorian")
 _REFORM = datetime(1582, 10, 15, tzinfo=UTC)
@@ -64,7 +72,7 @@ def moment_of(value: object) -> datetime:
     matched = _ISO.fullmatch(words)
     if matched is not None:
         return _of_parts(matched)
-    if "T" in words.upper():  # the basic form, 20260601T0400Z
+    if re.match(r"\d{8}T", words.upper()):  # the basic form, 20260601T0400Z
         return utc(datetime.fromisoformat(words.upper()))
     raise ValueError(f"expected a date and time such as {EXAMPLE}")
 
@@ -107,37 +115,50 @@ def zone_written(value: object) -> timezone:
     return zone_of(matched["zone"]) if matched is not None else UTC
 
 
+def other_zone(text: str) -> str:
+    """Return the words by which a text for people says that times are not of UTC; none where it names UTC too."""
+    matched = _OTHER_ZONE.search(text)
+    return matched[0].strip() if matched is not None and not _PLAIN_UTC.search(text) else ""
+
+
 def is_since(units: object) -> bool:
     """Whether units are of times since a moment."""
     return isinstance(units, str) and _UNIT.fullmatch(units) is not None
 
 
-def since(units: str, calendar: str = "") -> tuple[float, float]:
-    """Read units of times (``days since 1950-01-01``, UDUNITS and CF 1.11, section 4.4).
+def clock(attributes: Mapping[Any, object]) -> tuple[float, float]:
+    """Read what the attributes of times say (UDUNITS and CF 1.11, section 4.4).
 
-    Raises ValueError when they are none.
+    Raises ValueError when their units are none of times, the calendar is one of climate models, whose days are not the
+    sea's, or they are of a zone without an offset.
 
     Parameters
     ----------
-    units : str
-    calendar : str
-        CF's attribute; those of climate models, whose days are not the sea's, are refused.
+    attributes : mapping
+        With `units` (``days since 1950-01-01``), and `calendar`, `time_zone` or a text for people, where there are any.
 
     Returns
     -------
     zero, length : float
         The moment since which times count, from the start of 1970, and their unit [s].
     """
-    kind = calendar.strip().lower()
+    said = {str(name).lower(): str(value).strip() for name, value in attributes.items()}
+    kind, zone = said.get("calendar", "").lower(), said.get("time_zone", said.get("timezone", ""))
     if kind not in _CALENDARS:
-        raise ValueError(f"the calendar {calendar!r} is not the standard one")
+        raise ValueError(f"the calendar {said['calendar']!r} is not the standard one")
+    units = said.get("units", "")
     matched = _UNIT.fullmatch(units)
     unit = "" if matched is None else matched["unit"].lower()
     name = next((key for key, names in _SECONDS.items() if unit in names or unit.removesuffix("s") in names), None)
     if matched is None or name is None:
         raise ValueError(f"units {units!r}; expected seconds, minutes, hours or days since a moment such as {EXAMPLE}")
     moment = moment_of(matched["since"])
-    zero = moment.timestamp()
+    away = timedelta() if zone.lower() in ("", "none") else zone_of(zone).utcoffset(None)
+    is_utc = not away and zone_written(matched["since"]) == UTC
+    words = next(filter(None, (other_zone(said.get(text, "")) for text in _TEXTS)), "") if is_utc else ""
+    if words:
+        raise ValueError(f"a text beside it says {words!r}, its units UTC; an attribute time_zone such as -05:00 tells")
+    zero = moment.timestamp() - away.total_seconds()
     if moment < _REFORM and kind != "proleptic_gregorian":
         zero += 86400.0 * _days_between_calendars(moment.year - (moment.month < 3))
     return zero, _LENGTHS[name]

@@ -12,10 +12,32 @@ from pydantic import BaseModel
 import missionplan
 from missionplan.datasets.legs import _epoch
 from missionplan.errors import InputError
-from missionplan.moments import epoch_of, moment_of, since
+from missionplan.moments import clock, epoch_of, moment_of, other_zone
 
 PACKAGE = Path(missionplan.__file__).parent
 FOUR = datetime(2026, 6, 1, 4, tzinfo=UTC)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        *[("local time", "local time"), ("Time [local_standard_time]", "local_standard_time"), ("local", "local")],
+        *[("hours (PDT)", "PDT"), ("Eastern time, EST (UTC-5)", "EST"), ("in UTC+8", "UTC+8"), ("GMT -3", "GMT -3")],
+        *[(text, "") for text in ("time", "UTC", "UTC, once of local time", "computed locally each time", "UTC+00:00")],
+        *[(text, "") for text in ("west coast", "best estimate", "GPS time", "GMT (EST + 5)")],
+    ],
+)
+def test_texts_that_name_another_zone(text, words):
+    assert other_zone(text) == words
+
+
+@pytest.mark.parametrize("name", ["long_name", "Comment", "description"])
+def test_a_text_beside_times_that_names_another_zone_is_asked_for_its_offset(name):
+    units = "hours since 2026-06-01 04:00"
+    with pytest.raises(ValueError, match=r"a text beside it says 'PST', its units UTC; an attribute time_zone"):
+        clock({"units": units, name: "time in PST"})
+    said = ({"units": units, "time_zone": "-08:00"}, {"units": f"{units} -08:00"})
+    assert [clock({**each, name: "time in PST"})[0] for each in said] == [(FOUR + 8 * HOUR).timestamp()] * 2
 
 
 @pytest.mark.parametrize(
@@ -65,7 +87,7 @@ def test_what_is_no_moment_is_refused(written):
 @pytest.mark.parametrize("unit", ["seconds", "minutes", "hours", "days", "milliseconds"])
 def test_units_of_times_are_those_of_cftime(unit, zero, kind):
     cftime = pytest.importorskip("cftime")
-    begun, length = since(f"{unit} since {zero}", kind)
+    begun, length = clock({"units": f"{unit} since {zero}", "calendar": kind})
     whole = round(1.75e9 - begun)
     theirs = cftime.num2date(int(whole / length), f"{unit} since {zero}", kind or "standard")
     ours = datetime.fromtimestamp(begun + int(whole / length) * length, UTC)
@@ -81,7 +103,7 @@ def test_units_of_times_are_those_of_cftime(unit, zero, kind):
     ],
 )
 def test_zones_in_units_are_honoured(units, hours):
-    assert since(units) == ((FOUR + (hours - 4) * HOUR).timestamp(), 3600.0)
+    assert clock({"units": units}) == ((FOUR + (hours - 4) * HOUR).timestamp(), 3600.0)
 
 
 @pytest.mark.parametrize(
@@ -93,7 +115,7 @@ def test_zones_in_units_are_honoured(units, hours):
 )  # fmt: skip
 def test_other_units_of_times_are_refused(units, calendar):
     with pytest.raises(ValueError, match=r"EST|expected|calendar"):
-        since(units, calendar)
+        clock({"units": units, "calendar": calendar})
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ import numpy as np
 
 from missionplan.arrays import Array, without_nines
 from missionplan.errors import did_you_mean
-from missionplan.scenario.currents.attributes import FieldAttributeError, counts_up, factor, word
+from missionplan.scenario.currents.attributes import COARSEST, FINEST, FieldAttributeError, counts_up, factor, word
 from missionplan.scenario.currents.files import FieldFiles, standard_name
 from missionplan.scenario.currents.regular import LATITUDE, LONGITUDE
 from missionplan.scenario.polygons import DEGREES, LOCAL, Chart, features
@@ -223,8 +223,6 @@ _NAMES = (
     ("depth", "depths", "sounding", "soundings", "water", "z", "elevation", "elev", "height", "altitude", "alt"),
 )
 """First words of headers of x, y and height, of which the first five are of depths."""
-_FINEST, _COARSEST = 1e-3, 2e3
-"""Units of depths [m]; fm is a femtometre to some and a fathom to others."""
 
 
 def xyz(chart: Chart) -> Grid:
@@ -235,7 +233,7 @@ def xyz(chart: Chart) -> Grid:
     (x, y, z), name = _numbers(chart)
     words = name.split("_")
     unit = (factor(words[-1], "m") or 1.0) if len(words) > 1 else 1.0
-    if not _FINEST <= unit <= _COARSEST:
+    if not FINEST <= unit <= COARSEST:
         raise chart.problem(f"its heights, {name!r}, are in no unit of depths")
     z, is_up = unit * without_fills(z), chart.asked_up
     if chart.written.positive is None and words[0] in _NAMES[2][:5]:

@@ -15,7 +15,7 @@ from missionplan.errors import InputError
 from missionplan.importers.importer import needed_module
 from missionplan.importers.mapping import DDMM, QUANTITIES, MappedName, ddmm_to_degrees, times, unit_factor
 from missionplan.importers.track import Series, series
-from missionplan.moments import since
+from missionplan.moments import clock
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -128,8 +128,7 @@ class Variables:
 
     def epoch(self, name: str) -> Array:
         """Times of a variable since 1970 [s], by its units (``days since 2010-01-01``)."""
-        attributes = self._variables[name].attrs
-        zero, length = since(str(attributes.get("units", "")), str(attributes.get("calendar", "")))
+        zero, length = clock(self._variables[name].attrs)
         return np.asarray(zero + self.numbers(name) * length)
 
     def series(self, name: str | None, unit: str) -> Series:

@@ -143,17 +143,14 @@ def at_columns(
     columns of that part; default: all.
     """
 
-    def read(name: str) -> Array:
-        variable = files.variable(name)
+    def read(name: str, *along: str) -> Array:
+        order, wanted = [str(dim) for dim in files.variable(name).dims], (*along, *dims)
+        if set(wanted) > set(order) or len(order) > len(wanted) + files.has_times(name):
+            raise files.problem(f"{name} has the dimensions {', '.join(order)}; expected {', '.join(wanted)}")
         if files.has_times(name):
-            values = files.series(name, moments, window, dims).astype(float)
-        elif set(variable.dims) == set(dims):
-            order = [str(dim) for dim in variable.dims]
-            values = files.fixed(name, window).transpose([order.index(dim) for dim in dims])
+            values = files.series(name, moments, window, wanted).astype(float)
         else:
-            raise files.problem(
-                f"{name} has the dimensions {', '.join(map(str, variable.dims))}; expected {', '.join(dims)}"
-            )
+            values = files.fixed(name, window).transpose([order.index(dim) for dim in wanted])
         values = values[(..., *picked)]
         return values.reshape(*values.shape[:-2], -1)
 
@@ -201,8 +198,12 @@ def _deepest(levels: Array, values: NDArray[np.complex64]) -> Array:
     The bottom lies between the deepest level with a value and the next one.
     """
     is_finite: NDArray[np.bool_] = np.any(np.isfinite(values), axis=0)
-    last = levels.size - 1 - np.argmax(is_finite[:, ::-1], axis=1)
-    below = levels[np.minimum(last + 1, levels.size - 1)]
+    last = levels.shape[-1] - 1 - np.argmax(is_finite[:, ::-1], axis=1)
     if levels.size == 1 and float(levels[0]) <= SKIN:
         return np.full(is_finite.shape[0], SKIN)
-    return np.asarray(np.maximum(good_down_to(levels[last]), below))
+    column = np.broadcast_to(levels if levels.ndim == 1 else levels.max(axis=0), is_finite.shape)
+    deepest, below = (
+        np.take_along_axis(column, np.minimum(last + more, column.shape[1] - 1)[:, None], axis=1)[:, 0]
+        for more in (0, 1)
+    )
+    return np.asarray(np.maximum(good_down_to(deepest), below))

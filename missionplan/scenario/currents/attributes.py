@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 
 from missionplan.arrays import Array
 from missionplan.mission.units import QuantityError, parse_number_with_unit
-from missionplan.moments import is_since, since, zone_of
+from missionplan.moments import clock, is_since
 
 if TYPE_CHECKING:
-    from xarray import DataArray, Dataset
+    from xarray import DataArray, Dataset, Variable
 
 PARAMETRIC = ("ocean_sigma_coordinate", "ocean_s_coordinate", "ocean_s_coordinate_g1", "ocean_s_coordinate_g2")
 """Vertical coordinates without dimension that are computed (CF 1.11, appendix D)."""
@@ -21,7 +21,14 @@ _KNOWN = {
     **{name: name for name in ("units", "standard_name", "positive", "formula_terms", "axis", "calendar", "time_zone")},
     "timezone": "time_zone",
 }
-_ZONE = ("", "none")
+FINEST, COARSEST = 1e-3, 2e3
+"""Units of depths and heights [m]; fm is a femtometre to some and a fathom to others, nm a nanometre or a mile."""
+_FLAGS = (3, 4, 9)
+"""Flags of OceanSITES (reference table 2) and QARTOD: bad, or suspect; bad; missing."""
+_BAD = re.compile(r"bad|fail|suspect|missing|invalid")
+"""Of the meaning of a flag."""
+_NUMBER = re.compile(r"(\d*\.?\d+(?:[eE][-+]?\d+)?)[\s*]*(?=[A-Za-z])")
+_BEGUN = "forecast_reference_time"
 _LONGEST = 9.2e9
 """Times farther from 1970 than this do not fit into 64 bits of nanoseconds [s]."""
 
@@ -49,15 +56,17 @@ def factor(units: str, si: str) -> float | None:
 
     Examples
     --------
-    >>> factor("cm s-1", "m/s"), factor("Meters", "m"), factor("dbar", "m")
-    (0.01, 1.0, None)
+    >>> factor("cm s-1", "m/s"), factor("0.01 m s-1", "m/s"), factor("Meters", "m"), factor("dbar", "m")
+    (0.01, 0.01, 1.0, None)
     """
-    plain = re.sub(r"(?<=[A-Za-z])\s*\^?(\*\*)?\s*\(?([+-]?\d+)\)?", r"**\2", units.strip())
+    begun = _NUMBER.match(units.strip())
+    number, units = (begun[1], units.strip()[begun.end() :]) if begun else ("1", units.strip())
+    plain = re.sub(r"(?<=[A-Za-z])\s*\^?(\*\*)?\s*\(?([+-]?\d+)\)?", r"**\2", units)
     plain = re.sub(r"(?<=[A-Za-z\d])\s*[.·]\s*(?=[A-Za-z])", "*", plain)
     plain = re.sub(r"[\s*]+(s|sec|seconds?|h|hr|hours?)\*\*-1$", r"/\1", plain, flags=re.IGNORECASE)
     for written in dict.fromkeys((plain, plain.lower())):
         try:
-            return parse_number_with_unit(f"1 {written}", si)
+            return parse_number_with_unit(f"{number} {written}", si)
         except QuantityError:
             continue
     return None
@@ -75,7 +84,7 @@ def scale(variable: "DataArray", si: str, expected: str, otherwise: str = "") ->
     if not units:
         raise FieldAttributeError(f"{variable.name} has no attribute `units`; expected {expected}")
     unit_factor = factor(units, si)
-    if unit_factor is None:
+    if unit_factor is None or (si == "m" and not FINEST <= unit_factor <= COARSEST):
         raise FieldAttributeError(f"{variable.name} is in {units!r}; expected {expected}")
     return unit_factor
 
@@ -213,6 +222,38 @@ def valid(variable: "DataArray") -> NDArray[np.floating]:
     return np.where((values >= low - slack) & (values <= high + slack), values, np.nan)
 
 
+def good(variable: "DataArray", beside: "Dataset") -> "DataArray":
+    """Return a variable, nan where it is beyond the valid values, or a flag beside it calls it bad or missing."""
+    name, others = variable.name, word(variable, "ancillary_variables").split()
+    names = [f"{name}_QC", f"{name}_qc", *(other for other in others if re.search(r"flag|qc", other, re.IGNORECASE))]
+    flag = next((beside[other] for other in names if other in beside.variables), None)
+    values = variable.copy(data=valid(variable))
+    return (
+        values if flag is None or not set(flag.dims) <= set(values.dims) else values.where(~flag.isin(bad_flags(flag)))
+    )
+
+
+def bad_flags(flag: "DataArray | Variable") -> list[float]:
+    """Values by which a flag calls others bad, by what it says that they mean, else by what they usually do."""
+    meanings = re.split(r"[\s,]+", str(flag.attrs.get("flag_meanings", "")).strip().lower())
+    codes = np.ravel(flag.attrs.get("flag_values", ())).tolist()
+    pairs = list(zip(codes, meanings, strict=True)) if len(codes) == len(meanings) else []
+    return [code for code, meaning in pairs if _BAD.search(meaning)] or list(_FLAGS)
+
+
+def runs(dataset: "Dataset") -> "list[Dataset]":
+    """Return the runs of a forecast that a dataset holds, the latest last; itself where it holds one."""
+    for name, variable in dataset.variables.items():
+        if variable.ndim == 1 and str(variable.attrs.get("standard_name", "")) == _BEGUN:
+            dim, starts = str(variable.dims[0]), moments(dataset[name])
+            clocks = clocks_along(dataset, dim)
+            if clocks and np.unique(dataset[clocks[0]]).size == starts.size:
+                continue  # each time stands once
+            parts = [np.flatnonzero(starts == start) for start in np.unique(starts)]
+            return [dataset.isel({dim: part if clocks else part[0]}) for part in parts]
+    return [dataset]
+
+
 def moments(variable: "DataArray") -> NDArray[np.datetime64]:
     """Return times in UTC, to the millisecond, shape (t,).
 
@@ -220,16 +261,14 @@ def moments(variable: "DataArray") -> NDArray[np.datetime64]:
     2262.
     """
     try:
-        zero, length = since(word(variable, "units"), word(variable, "calendar"))
-        zone = word(variable, "time_zone")
-        away = 0.0 if zone.lower() in _ZONE else zone_of(zone).utcoffset(None).total_seconds()
+        zero, length = clock(variable.attrs)
     except (ValueError, OverflowError) as error:
         raise FieldAttributeError(f"{variable.name}: {error}") from None
     seconds = np.asarray(variable.to_numpy(), dtype=float) * length
     if np.any(np.abs(seconds + zero) > _LONGEST):
         raise FieldAttributeError(f"{variable.name} reaches beyond the years 1678 to 2262")
     is_finite = np.isfinite(seconds)
-    whole = np.rint(1e3 * np.where(is_finite, seconds, 0.0)) + np.rint(1e3 * (zero - away))
+    whole = np.rint(1e3 * np.where(is_finite, seconds, 0.0)) + np.rint(1e3 * zero)
     times = whole.astype(np.int64).astype("datetime64[ms]").astype("datetime64[ns]")
     times[~is_finite] = np.datetime64("NaT", "ns")
     return np.asarray(times)

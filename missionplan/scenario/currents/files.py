@@ -14,11 +14,11 @@ from missionplan.moments import moment_of
 from missionplan.scenario.currents.attributes import (
     FieldAttributeError,
     depths,
+    good,
     is_vertical,
     scale,
     speed_factor,
     times_along,
-    valid,
     word,
 )
 
@@ -44,17 +44,17 @@ class Carried:
     fastest: float
     """Faster than this is none [m/s]."""
     other: str
-    """Pattern of CF's names of what else moves, or the other way."""
+    """Pattern of names of what else moves, or the other way."""
 
 
 SEA = Carried(
     "current",
-    ("u_eastward", "water_u", "u_east", "uo", "u", "u_sur", "u_sur_eastward"),
-    ("v_northward", "water_v", "v_north", "vo", "v", "v_sur", "v_sur_northward"),
+    ("u_eastward", "water_u", "u_east", "utotal", "uo", "u", "u_sur", "u_sur_eastward"),
+    ("v_northward", "water_v", "v_north", "vtotal", "vo", "v", "v_sur", "v_sur_northward"),
     ("eastward_sea_water_velocity", "surface_eastward_sea_water_velocity"),
     ("northward_sea_water_velocity", "surface_northward_sea_water_velocity"),
     12.0,  # Saltstraumen reaches 10 m/s
-    r"wind|stokes|_ice|stress|transport|westward|southward",
+    r"(^|_)winds?(_(?!driven|induced|forced)|$)|stokes|(^|_)ice(_|$)|stress|transport|westward|southward",
 )
 WIND = Carried(
     "wind",
@@ -70,6 +70,10 @@ _MODELS_SPEEDS = ("horizontalVelX", "horizontalVelY")
 """Velocities of SCHISM, which writes them in m/s and without `units`."""
 _OTHER_WAY = ("north|(^|_)y_", "east|(^|_)x_")
 """Of the standard name of a component, what is the other's."""
+_OTHER_WORDS = ("northward|meridional", "eastward|zonal")
+"""Of its name for people."""
+_STATISTIC = re.compile(r"standard_deviation|variance|maximum|minimum|range|sum_of_squares")
+"""Of the cells that a value is of, what is no velocity of any moment (CF 1.11, appendix E)."""
 _FILLS = 3
 """At fewer places no number stands for none."""
 MEMBER_DIMENSIONS = ("member", "ensemble", "ensemble_member", "realization", "number", "ens")
@@ -95,11 +99,12 @@ class FieldFiles:
         for name in names:
             if any(name in dataset.variables for dataset in self.datasets):
                 return name
-        for dataset in self.datasets:
-            for other in dataset.variables:
-                if standard_name(dataset[other]) in standard:
-                    return str(other)
-        return None
+        return next(iter(self._all_named(*standard)), None)
+
+    def _all_named(self, *standard: str) -> list[str]:
+        """Return the variables with one of the standard names."""
+        pairs = [(dataset, name) for dataset in self.datasets for name in dataset.variables]
+        return list(dict.fromkeys(str(name) for dataset, name in pairs if standard_name(dataset[name]) in standard))
 
     def required(self, what: str, *names: str, standard: Sequence[str] = ()) -> str:
         """Return the name of a variable, or raise InputError that says what is missing."""
@@ -146,7 +151,8 @@ class FieldFiles:
             first, last = min(steps), max(steps)
             part = {variable.dims[0]: slice(first, last + 1)}
             part |= {dim: kept for dim, kept in window.items() if dim in variable.dims}
-            block = valid(variable.isel(part).transpose(variable.dims[0], *order))
+            near = self.datasets[number].isel(part)
+            block = good(near[name].transpose(variable.dims[0], *order), near).to_numpy()
             rows.append(np.asarray(block[np.array(steps) - first], dtype=np.float32))
         return np.concatenate(rows) if len(rows) > 1 else rows[0]
 
@@ -200,10 +206,39 @@ class FieldFiles:
 
         Raises InputError or FieldAttributeError when it is one of something else, the other one, or in no unit of it.
         """
-        standard = word(self.variable(name), "standard_name").lower()
-        if re.search(f"{self.carries.other}|{_OTHER_WAY[number]}", standard):
-            raise self.problem(f"{name} is a {standard}; expected the {self.carries.name} toward east and north")
+        other = self._other(name, number)
+        if other:
+            raise self.problem(f"{name} is a {other}; expected the {self.carries.name} toward east and north")
         return speed_factor(self.variable(name), "m/s" if name in _MODELS_SPEEDS else "")
+
+    def _other(self, name: str, number: int | None = None) -> str:
+        """What a component says that it is, where that is none: something else, a statistic, or not that asked for."""
+        variable = self.variable(name)
+        standard, methods = word(variable, "standard_name").lower(), word(variable, "cell_methods")
+        text = re.sub(r"\W+", "_", word(variable, "long_name").lower())
+        ways = _OTHER_WAY if standard else _OTHER_WORDS
+        pattern = "|".join((self.carries.other, r"\s", *(() if number is None else (ways[number],))))
+        is_other = re.search(pattern, standard or text)
+        statistic = _STATISTIC.search(methods)
+        return standard or word(variable, "long_name") if is_other else statistic[0] if statistic else ""
+
+    def components(self) -> tuple[str, str]:
+        """Return the names of the velocity toward east, or along rows, and toward north: of several that which fits.
+
+        Raises InputError when one is missing, or several have one standard name.
+        """
+        carries, chosen = self.carries, []
+        sides = (("east", carries.east, carries.standard_east), ("north", carries.north, carries.standard_north))
+        for way, names, standards in sides:
+            usual = [name for name in names if self.named(name) and not self._other(name)]
+            for standard in () if usual else standards:
+                usual = usual or [name for name in self._all_named(standard) if not self._other(name)]
+                if len(usual) > 1:
+                    raise self.problem(f"which of {', '.join(usual)} is the {carries.name}? Each is a {standard}")
+            chosen.append(
+                usual[0] if usual else self.required(f"the {carries.name} toward {way}", *names, standard=standards)
+            )
+        return chosen[0], chosen[1]
 
     def has_times(self, name: str) -> bool:
         """Whether a variable changes in time."""
@@ -253,23 +288,30 @@ def standard_name(variable: "DataArray") -> str:
     return word(variable, "standard_name").lower() or by_units
 
 
-def undeclared_fill(u: NDArray[np.floating], v: NDArray[np.floating]) -> float | None:
-    """Return a number that stands for none: both components have it at the same places.
+def undeclared_fill(u: NDArray[np.floating], v: NDArray[np.floating]) -> tuple[float, float]:
+    """Return the numbers that stand for none: both components have them at the same places; nan where there are none.
 
-    A sea has no two components that agree to the digit, but by chance where they are rounded. The number is one unit or
-    more and beyond all others, or is written in nines and is most of what agrees.
+    They are one unit or more and far beyond all others, or one number, for a sea has no two components that agree to
+    the digit, but by chance where they are rounded: it is beyond all others, or is written in nines and is most of
+    what agrees.
     """
+    finite = [np.where(np.isfinite(component), component, 0.0) for component in (u, v)]
+    first, second = (float(side.flat[np.argmax(np.abs(side))]) if side.size else 0.0 for side in finite)
+    places = u == first, v == second
+    rest = [float(np.abs(side[~there]).max(initial=0.0)) for side, there in zip(finite, places, strict=True)]
+    least = (abs(first), abs(second)) if first == second else (0.5 * abs(first), 0.5 * abs(second))
+    is_beyond = all(0.0 < other < one for other, one in zip(rest, least, strict=True))
+    is_alike = first == second or np.array_equal(*places)
+    if is_beyond and is_alike and min(abs(first), abs(second)) >= 1.0 and np.sum(places[0] & places[1]) >= _FILLS:
+        return first, second
     alike, count = np.unique(u[(u == v) & (u != 0.0)], return_counts=True)
-    often = count >= _FILLS
-    if not often.any():
-        return None
-    greatest, common = (float(alike[np.argmax(weights)]) for weights in (np.abs(alike) * often, count))
-    others = [np.abs(component[np.isfinite(component) & (component != greatest)]) for component in (u, v)]
-    if abs(greatest) >= 1.0 and all(values.size and values.max() < abs(greatest) for values in others):
-        return greatest
+    if not np.any(count >= _FILLS):
+        return np.nan, np.nan
+    common = float(alike[np.argmax(count)])
     digits = f"{abs(common):.6g}".lstrip("0.").replace(".", "")
     is_nines = set(digits) == {"9"} and (len(digits) > 1 or abs(common) >= 1.0)
-    return common if is_nines and count.max() > 0.5 * count.sum() and all(values.size for values in others) else None
+    is_most = count.max() > 0.5 * count.sum() and not np.all(u == common) and not np.all(v == common)
+    return (common, common) if is_nines and is_most else (np.nan, np.nan)
 
 
 def velocities(
@@ -282,8 +324,9 @@ def velocities(
     """
     scaled, fastest, hint = [], files.carries.fastest, "is its attribute `units` right, and `_FillValue` declared?"
     filled = undeclared_fill(*parts)
-    if filled is not None:
-        raise files.problem(f"{names[0]} and {names[1]} are both {filled:g} at many places, which is no current", hint)
+    if not np.isnan(filled[0]):
+        shown = f"both {filled[0]:g}" if filled[0] == filled[1] else f"{filled[0]:g} and {filled[1]:g}"
+        raise files.problem(f"{names[0]} and {names[1]} are {shown} at many places, which is no current", hint)
     for number, (name, values) in enumerate(zip(names, parts, strict=True)):
         part = values * np.float32(files.component(name, number))
         scaled.append(part)

@@ -18,7 +18,7 @@ from missionplan.moments import EPOCH_SCALE, utc
 from missionplan.phases.gridded_current import GriddedCurrent
 from missionplan.phases.recorded_currents import SeriesCurrent
 from missionplan.scenario.currents.area import Area
-from missionplan.scenario.currents.attributes import FieldAttributeError, tidied
+from missionplan.scenario.currents.attributes import FieldAttributeError, runs, tidied
 from missionplan.scenario.currents.files import SEA, WIND, Carried, FieldFiles, undeclared_fill
 from missionplan.scenario.currents.regular import LATITUDE, LONGITUDE, read_curved, read_regular
 from missionplan.scenario.currents.unstructured import read_fvcom, read_ugrid, topology
@@ -87,9 +87,9 @@ def read_series_csv(
 
 def _impossible(values: pd.DataFrame, limits: Mapping[str, float], shown: str) -> list[Problem]:
     """Rows with a current, a depth or a time that no sea has: a fill value, or another unit."""
-    velocity = values[["east_m_s", "north_m_s"]]
-    filled = undeclared_fill(*velocity.to_numpy(dtype=float).T)
-    too_much = [(velocity == filled).all(axis=1), *(values[name].abs() > most for name, most in limits.items())]
+    velocity = values[["east_m_s", "north_m_s"]].to_numpy(dtype=float)
+    is_filled = velocity == undeclared_fill(*velocity.T)
+    too_much = [is_filled.all(axis=1), *(values[name].abs() > most for name, most in limits.items())]
     rows = np.flatnonzero(np.any([*too_much, values["depth_m"] < 0.0] if "depth_m" in limits else too_much, axis=0))
     expected = ", ".join(f"{name} at most {most:g} in size" for name, most in limits.items())
     expected += ", depths positive down" if "depth_m" in limits else ""
@@ -150,14 +150,18 @@ def opened(names: Sequence[str], shown: str) -> Iterator[FieldFiles]:
         hint = how_to_install("netcdf")
         raise InputError([Problem("reading NetCDF needs xarray and netCDF4", shown, hint=hint)]) from None
     with ExitStack() as stack:
-        yield FieldFiles([stack.enter_context(_opened(name)) for name in names], shown)
+        datasets = [tidied(stack.enter_context(_opened(name))) for name in names]
+        try:
+            yield FieldFiles([tidied(run) for dataset in datasets for run in runs(dataset)], shown)
+        except FieldAttributeError as error:
+            raise InputError([Problem(str(error), shown)]) from None
 
 
 def _opened(name: str) -> "Dataset":
     import xarray
 
     try:
-        return tidied(xarray.open_dataset(name, decode_times=False))
+        return xarray.open_dataset(name, decode_times=False)
     except Exception as error:  # the libraries below raise many kinds for what is damaged
         words = str(error).partition("\n")[0]
         if name.startswith(REMOTE):

@@ -36,9 +36,7 @@ def read_regular(files: FieldFiles, area: Area) -> GriddedCurrent:
         files.required(what, *names, standard=(what,))
         for what, names in (("latitude", LATITUDE), ("longitude", LONGITUDE))
     )
-    carries = files.carries
-    u = files.required(f"the {carries.name} toward east", *carries.east, standard=carries.standard_east)
-    v = files.required(f"the {carries.name} toward north", *carries.north, standard=carries.standard_north)
+    u, v = files.components()
     dims = [str(dim) for dim in files.variable(u).dims]
     rows, columns = (str(files.variable(name).dims[0]) for name in (latitude, longitude))
     across = [dim for dim in dims[1:] if dim not in (rows, columns)]
@@ -127,9 +125,7 @@ def read_curved(files: FieldFiles, area: Area) -> GriddedCurrent:
     publishes eastward and northward: a face on the coast has no flow through it. They are then turned by ``angle``.
     Raises InputError when something is missing or impossible, or lies elsewhere.
     """
-    carries = files.carries
-    u = files.required(f"the {carries.name} toward east", *carries.east, standard=carries.standard_east)
-    v = files.required(f"the {carries.name} toward north", *carries.north, standard=carries.standard_north)
+    u, v = files.components()
     moments = area.kept(files.moments(u))
     shapes = [files.variable(name).shape[-2:] for name in (u, v)]
     staggered = shapes[0] != shapes[1]

@@ -273,10 +273,14 @@ def _ugrid_levels(
         deepest = np.nanmax(depth, axis=(0, 2), initial=0.0)
         return _gapless(depth), good_down_to(deepest)
 
-    def at(name: str) -> Array:
-        dims = [str(dim) for dim in files.variable(name).dims[1:]]
+    def at(name: str, *along: str) -> Array:
         moving = files.has_times(name)
-        values = files.series(name, moments, {}, dims).astype(float) if moving else files.fixed(name)
+        dims = [str(dim) for dim in files.variable(name).dims[moving:]]
+        order = [*along, *(dim for dim in dims if dim not in along)]
+        if moving:
+            values = files.series(name, moments, {}, order).astype(float)
+        else:
+            values = files.fixed(name).transpose([dims.index(dim) for dim in order])
         # values at nodes or faces of the file as values at the columns of the field
         if values.shape[-1] == mesh.whole:
             part = values[..., mesh.nodes]

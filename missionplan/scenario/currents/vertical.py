@@ -25,8 +25,15 @@ SURFACE = ("zeta", "elev", "elevation", "ssh", "zos")
 SEAFLOOR = ("sea_floor_depth_below_geoid", "sea_floor_depth", "sea_floor_depth_below_sea_surface")
 SEAFLOOR_ALSO = ("sea_floor_depth_below_mean_sea_level", "sea_floor_depth_below_reference_ellipsoid")
 HEIGHT = ("sea_surface_height_above_geoid", "sea_surface_height", "sea_surface_height_above_mean_sea_level")
-At = Callable[[str], Array]
-"""Values of a variable, by its name, at the columns of a field: shape (c,), or (t, c) where it changes in time."""
+_DEPTHS = ("depth", "height", "altitude")
+"""Begin the standard names of vertical axes."""
+_DEEPEST = 12_000.0
+"""No sea is as deep [m]."""
+At = Callable[..., Array]
+"""Values of a variable, by its name, at the columns of a field: shape (c,), or (t, c) where it changes in time.
+
+With the dimension of the levels as well: (d, c) or (t, d, c).
+"""
 _TERMS: Mapping[str, tuple[str, ...]] = {
     "ocean_sigma_coordinate": ("sigma",),
     "ocean_s_coordinate": ("s", "a", "b", "depth_c"),
@@ -90,6 +97,8 @@ def level_depths(files: FieldFiles, along: str, at: At, times: int) -> tuple[Arr
         otherwise = ""
     elif roms:
         kind, terms, names, otherwise = *_by_roms(files, along), "m"
+    elif cells := _in_each_column(files, name, along):
+        return _levels_of_columns(files, cells, at(cells, along), times), None
     elif name is None:
         raise files.problem(f"nothing says at what depths the levels along {along} are")
     else:
@@ -115,6 +124,28 @@ def _axis(files: FieldFiles, along: str) -> str | None:
     if names:
         return names[0]
     return along if files.named(along) else files.named("depth", "Depth", "lev", "z")
+
+
+def _in_each_column(files: FieldFiles, axis: str | None, along: str) -> str | None:
+    """Name of depths that each column has of its own: a coordinate, or any variable where nothing else has depths."""
+    has_axis = axis is not None and files.variable(axis).dims == (along,) and bool(word(files.variable(axis), "units"))
+    for dataset in files.datasets:
+        for name in dataset.coords if has_axis else dataset.variables:
+            is_depth = "positive" in dataset[name].attrs or word(dataset[name], "standard_name").startswith(_DEPTHS)
+            if dataset[name].ndim > 1 and along in dataset[name].dims and is_depth:
+                return str(name)
+    return None
+
+
+def _levels_of_columns(files: FieldFiles, name: str, values: Array, times: int) -> Array:
+    """Depths of levels that each column has of its own, shape (t, c, d); those below its bottom are at its deepest."""
+    depth = depths(files.variable(name), values).swapaxes(-1, -2)
+    deepest = np.max(depth, axis=-1, keepdims=True, where=np.isfinite(depth), initial=0.0)
+    depth = np.where(np.isfinite(depth), depth, deepest)
+    order = np.diff(depth, axis=-1)
+    if depth.min() < 0.0 or depth.max() > _DEEPEST or not (np.all(order >= 0.0) or np.all(order <= 0.0)):
+        raise files.problem(f"{name} has depths above the surface or below all seas, or that neither rise nor fall")
+    return np.broadcast_to(depth, (times, *depth.shape[-2:]))
 
 
 def _fixed_levels(files: FieldFiles, name: str, along: str) -> Array:

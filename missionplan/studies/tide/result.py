@@ -19,7 +19,7 @@ from missionplan.errors import InputError, Problem
 from missionplan.moments import EPOCH_SCALE, is_since, utc
 from missionplan.results import Provenance, Result, to_csv, to_yaml
 from missionplan.results.entries import Entry, Record
-from missionplan.scenario.currents.attributes import FieldAttributeError, depths, moments, valid, word
+from missionplan.scenario.currents.attributes import FieldAttributeError, depths, good, moments
 from missionplan.scenario.currents.files import FieldFiles, undeclared_fill
 from missionplan.scenario.currents.reading import CURRENT_LIMITS, MAX_BYTES, opened
 
@@ -171,8 +171,6 @@ FASTEST, DEEPEST = CURRENT_LIMITS["east_m_s"], CURRENT_LIMITS["depth_m"]
 COLUMNS = tuple(CURRENT_LIMITS)
 NETCDF = (".nc", ".nc4", ".cdf", ".netcdf")
 _LISTED = 20
-_BAD = (3, 4, 9)
-"""Flags of OceanSITES (reference table 2) and QARTOD: bad, or suspect; bad; missing."""
 _STANDARD = {
     "east": ("eastward_sea_water_velocity",),
     "north": ("northward_sea_water_velocity",),
@@ -245,8 +243,8 @@ def _check_cells(
 ) -> None:
     shown, depth = str(path), numbers["depth_m"]
     velocity = pd.DataFrame({name: numbers[name] for name in COLUMNS[2:]})
-    filled = undeclared_fill(*velocity.to_numpy(dtype=float).T)
-    fast = (velocity.abs() > FASTEST).any(axis=1) | (velocity == filled).all(axis=1)
+    is_filled = velocity.to_numpy(dtype=float) == undeclared_fill(*velocity.to_numpy(dtype=float).T)
+    fast = (velocity.abs() > FASTEST).any(axis=1) | is_filled.all(axis=1)
     words = f"is impossible; expected a depth of 0 to {DEEPEST:g} m and a current of at most {FASTEST:g} m/s"
     hint = "a fill value, or another unit? leave the cell empty where nothing was measured"
     wrong = [
@@ -261,7 +259,8 @@ def _check_cells(
 
 
 def _of_files(files: FieldFiles) -> CurrentRecord:
-    east, north = (_good(files, _variable(files, key)).squeeze(drop=True) for key in ("east", "north"))
+    sides = (_variable(files, key) for key in ("east", "north"))
+    east, north = (good(side, files.datasets[0]).squeeze(drop=True) for side in sides)
     time = _variable(files, "time")
     if not is_since(time.attrs.get("units")) or time.ndim != 1:
         raise files.problem("its times are no dates along one dimension")
@@ -277,7 +276,8 @@ def _of_files(files: FieldFiles) -> CurrentRecord:
     order, down = np.argsort(seconds), np.argsort(depth)
     dims = (time.dims[0], *others)
     written = [side.transpose(*dims).to_numpy().astype(float).reshape(len(seconds), -1) for side in (east, north)]
-    both = (written[0] == written[1]) & (written[0] == undeclared_fill(*written))
+    fills = undeclared_fill(*written)
+    both = (written[0] == fills[0]) & (written[1] == fills[1])
     values = [
         _speeds(files, np.where(both, math.nan, part) * files.component(str(name), number))
         for number, (part, name) in enumerate(zip(written, (east.name, north.name), strict=True))
@@ -290,18 +290,6 @@ def _of_files(files: FieldFiles) -> CurrentRecord:
         places = _variable(files, "latitude").to_numpy().astype(float).ravel()
         latitude = math.radians(float(places[0])) if places.size == 1 else math.nan
     return CurrentRecord(np.asarray(seconds, dtype=float)[order], depth[down], u, v, latitude)
-
-
-def _good(files: FieldFiles, component: "DataArray") -> "DataArray":
-    """Values of a component, nan where they are beyond the valid ones or its flag calls them bad or missing."""
-    values, others = component.copy(data=valid(component)), word(component, "ancillary_variables").split()
-    named = [
-        f"{component.name}_QC",
-        f"{component.name}_qc",
-        *(name for name in others if "flag" in name or "qc" in name),
-    ]
-    flag = files.named(*named)
-    return values if flag is None else values.where(~files.variable(flag).isin(_BAD))
 
 
 def _speeds(files: FieldFiles, speeds: Array) -> Array:

@@ -9,6 +9,7 @@ from missionplan.errors import InputError
 from missionplan.mission.schema.place import Geographic, to_geographic
 from missionplan.scenario.currents import attributes
 from missionplan.scenario.currents.area import Area
+from missionplan.scenario.currents.files import undeclared_fill
 from missionplan.scenario.currents.reading import read_field
 
 netcdf = pytest.importorskip("netCDF4")
@@ -136,7 +137,7 @@ def stretched(kind):
 SAME = {
     **{f"depth in {unit}": {"lev": level(size, units=unit)} for unit, size in {
         "cm": 0.01, "centimeters": 0.01, "ft": 0.3048, "feet": 0.3048, "km": 1000.0, "fathom": 1.8288, "Meters": 1.0, "metre": 1.0,
-        "M": 1.0, "mm": 1e-3, "decimeter": 0.1}.items()},
+        "M": 1.0, "mm": 1e-3, "decimeter": 0.1, "0.1 m": 0.1}.items()},
     "heights": {"lev": level(-1.0, positive="up", standard_name="height")},
     "heights, Up": {"lev": level(-1.0, positive="Up", standard_name=None)},
     "heights in cm": {"lev": level(-0.01, units="cm", positive="up", standard_name=None)},
@@ -162,7 +163,7 @@ SAME = {
     },
     **{f"speed in {unit}": {"speed": (size, {"units": unit})} for unit, size in {
         "m/s": 1.0, "meter second-1": 1.0, "m s^-1": 1.0, "m.s-1": 1.0, "M S-1": 1.0, "cm s-1": 0.01, "cm s**-1": 0.01, "cm/sec": 0.01, "mm/s": 1e-3,
-        "knots": 1852 / 3600, "kt": 1852 / 3600, "km/h": 1 / 3.6, "km hour-1": 1 / 3.6, "centimeters per second": 0.01, "ft/s": 0.3048}.items()},
+        "knots": 1852 / 3600, "kt": 1852 / 3600, "km/h": 1 / 3.6, "km hour-1": 1 / 3.6, "centimeters per second": 0.01, "ft/s": 0.3048, "0.01 m s-1": 0.01, "1e-2 m/s": 0.01}.items()},
     **{f"{units[0]} since {units[1]} {units[2]}": {"time": since(units, **shift)} for units, shift in [
         (("hours", "2026-06-01T02:00:00+02:00", {}), {}), (("hours", "2026-06-01 00:00 +02:00", {}), {"hours": -2}),
         (("seconds", "2026-05-31 19:00:00 -5", {}), {}), (("minutes", "2026-06-01T00:00:00Z", {}), {}),
@@ -195,6 +196,11 @@ REFUSED = {
     "sigma without the file's seafloor": ({"lev": (-DEPTHS / FLOOR, SIGMA)}, "formula_terms of lev name zeta"),
     "sigma z": ({"lev": (-DEPTHS / FLOOR, SIGMA | {"standard_name": "ocean_sigma_z_coordinate"})}, "ocean_sigma_z_coordinate, which cannot"),
     "sigma the wrong way": ({"lev": (DEPTHS / FLOOR, SIGMA), "deep": deep(), "zeta": zeta(0.0)}, "between -1 and 0"),
+    "femtometres, or fathoms": ({"lev": level(units="fm")}, "lev is in 'fm'; expected depths"),
+    "a local time": ({"time": (HOURS, {"units": "hours since 2026-06-01", "long_name": "local time"})}, "says 'local time', its units UTC"),
+    "wind by its long name": ({"speed": (1.0, {"units": "m s-1", "long_name": "10 m wind"})}, "u is a 10 m wind; expected the current"),
+    "westward by its long name": ({"speed": (1.0, {"units": "m s-1", "long_name": "Westward velocity"})}, "u is a Westward velocity"),
+    "greatest of a day": ({"speed": (1.0, {"units": "m s-1", "cell_methods": "time: maximum"})}, "u is a maximum; expected"),
     "EST": ({"time": (HOURS, {"units": "hours since 2026-06-01 00:00 EST"})}, "'EST' has no offset"),
     "months": ({"time": (HOURS, {"units": "months since 2026-06-01"})}, "time: units 'months since"),
     "noleap": ({"time": (HOURS, {"units": "hours since 2026-06-01", "calendar": "noleap"})}, "'noleap' is not the standard"),
@@ -430,3 +436,109 @@ def test_what_is_no_current_by_its_standard_name_is_refused(tmp_path, standard):
     write(tmp_path / "a.nc", speed=(1.0, {"u": {**units, "standard_name": standard}, "v": units}))
     with pytest.raises(InputError, match=f"u is a {standard}; expected the current toward east and north"):
         drift(tmp_path / "a.nc")
+
+
+def opened_field(path):
+    xarray = pytest.importorskip("xarray")
+    write(path)
+    with xarray.open_dataset(path, decode_times=False) as field:
+        return field.load()
+
+
+def test_of_two_components_that_is_taken_which_is_no_wind_and_no_deviation(tmp_path, plain):
+    named = opened_field(tmp_path / "plain.nc").rename(u="ucur", v="vcur")
+    for name, way in (("ucur", "eastward"), ("vcur", "northward")):
+        named[name].attrs["standard_name"] = f"{way}_sea_water_velocity"
+    for words in ({"standard_name": "eastward_wind"}, {"long_name": "wind at 10 m"}, {"long_name": "Stokes drift"}):
+        values = {name: named[f"{name}cur"].to_numpy() for name in "uv"}
+        wind = {name: (named["ucur"].dims, 9.0 * each, {"units": "m s-1", **words}) for name, each in values.items()}
+        named.assign(wind).to_netcdf(tmp_path / "field.nc")
+        assert drift(tmp_path / "field.nc") == pytest.approx(plain, rel=2e-5)
+    same = {f"a_{name}": (named[name] * 0.1).assign_attrs(named[name].attrs) for name in ("ucur", "vcur")}
+    for each in same.values():
+        each.attrs["cell_methods"] = "time: standard_deviation"
+    xarray = pytest.importorskip("xarray")
+    xarray.Dataset(same).assign(named.data_vars).to_netcdf(tmp_path / "field.nc")
+    assert drift(tmp_path / "field.nc") == pytest.approx(plain, rel=2e-5)
+    for each in same.values():
+        each.attrs["cell_methods"] = "time: mean"
+    xarray.Dataset(same).assign(named.data_vars).to_netcdf(tmp_path / "field.nc")
+    with pytest.raises(InputError, match=r"which of (a_ucur, ucur|ucur, a_ucur) is the current\?"):
+        drift(tmp_path / "field.nc")
+
+
+@pytest.mark.parametrize("said", [{}, {"flag_values": np.array([0, 1], "i1"), "flag_meanings": "bad_data good_data"}])
+def test_what_a_flag_calls_bad_is_none(tmp_path, plain, said):
+    field = opened_field(tmp_path / "plain.nc")
+    field["u"][:, :, 2, 2] = 5.0
+    bad, good = (0, 1) if said else (4, 1)
+    field["u_qc"] = field["u"].copy(data=np.where(field["u"] == 5.0, bad, good)).assign_attrs(said)
+    field.to_netcdf(tmp_path / "field.nc")
+    assert drift(tmp_path / "field.nc") == pytest.approx(plain, rel=1e-3)
+
+
+def test_of_the_runs_of_a_forecast_the_latest_counts_in_whatever_order_they_stand(tmp_path, plain):
+    """An older run whose current is 0.7 m/s off: along an axis of its own, with times of its own, or after the newer."""
+    xarray = pytest.importorskip("xarray")
+    path, latest = tmp_path / "field.nc", opened_field(tmp_path / "plain.nc")
+    older = latest.assign(u=latest["u"] + 0.7, v=latest["v"] - 0.7)
+    begun = {"units": "hours since 2026-06-01", "standard_name": "forecast_reference_time"}
+    for order in ((older, latest), (latest, older)):
+        starts = [-12.0 if each is older else -6.0 for each in order]
+        along = xarray.concat(order, "run").assign_coords(run=("run", starts, begun))
+        along.to_netcdf(path)
+        assert drift(path) == pytest.approx(plain, rel=2e-5)
+        clocks = np.stack([latest["time"] + (0.0 if each is latest else -6.0) for each in order])
+        steps = xarray.concat([each.drop_vars("time").rename(time="step") for each in order], "run")
+        clocks = (("run", "step"), clocks, {**latest["time"].attrs, "standard_name": "time"})
+        steps.assign_coords(run=("run", starts, begun), valid=clocks).to_netcdf(path)
+        assert drift(path) == pytest.approx(plain, rel=2e-5)
+        rows = xarray.concat(order, "time")
+        rows.assign(begun=("time", np.repeat(starts, HOURS.size), begun)).to_netcdf(path)
+        assert drift(path) == pytest.approx(plain, rel=2e-5)
+
+
+@pytest.mark.parametrize("nominal", [False, True])
+@pytest.mark.parametrize("is_moving", [False, True])
+def test_levels_lie_where_each_column_has_them(tmp_path, plain, nominal, is_moving):
+    """Beside the numbers of levels, or nominal depths of which the velocity's `coordinates` says better."""
+    field = opened_field(tmp_path / "plain.nc").rename(lev="k")
+    field["k"] = ("k", np.arange(1.0, 6.0), {"units": "m", "positive": "down"} if nominal else {})
+    depth = np.broadcast_to(DEPTHS[:, None, None], field["u"].shape[1:]).copy()
+    depth[3:, 0, 0] = np.nan
+    field["u"][:, 3:, 0, 0] = np.nan
+    dims = ("k", "lat", "lon")
+    if is_moving:
+        depth, dims = np.broadcast_to(-depth, field["u"].shape), ("time", *dims)
+    field["z_of_cells"] = (dims, depth, {"units": "m", "positive": "up" if is_moving else "down"})
+    field["u"].attrs["coordinates"] = "z_of_cells"
+    field.to_netcdf(tmp_path / "field.nc")
+    assert drift(tmp_path / "field.nc") == pytest.approx(plain, rel=2e-5)
+    area = Area(ORIGIN, np.datetime64("2026-06-01T00:30", "ns"), np.zeros((2, 1)))
+    assert read_field([str(tmp_path / "field.nc")], area, "field.nc").depth == pytest.approx([0.0, 1.2 * 40.0])
+
+
+def test_levels_of_columns_that_neither_rise_nor_fall_are_refused(tmp_path):
+    field = opened_field(tmp_path / "plain.nc").rename(lev="k").drop_vars("k")
+    depth = np.broadcast_to(DEPTHS[[0, 2, 1, 3, 4], None, None], field["u"].shape[1:])
+    field["z"] = (("k", "lat", "lon"), depth, DOWN)
+    field.to_netcdf(tmp_path / "field.nc")
+    with pytest.raises(InputError, match=r"z has depths above the surface .* or that neither rise nor fall"):
+        drift(tmp_path / "field.nc")
+
+
+@pytest.mark.parametrize("filled", [(-9.99, 9.99), (-9.0, -8.0), (3.2767, -3.2768)])
+def test_numbers_that_stand_for_none_may_differ(tmp_path, filled):
+    write(tmp_path / "a.nc")
+    with netcdf.Dataset(tmp_path / "a.nc", "a") as file:
+        for name, value in zip("uv", filled, strict=True):
+            file[name][:, 2:, 3, 4] = value
+    with pytest.raises(InputError, match=f"u and v are {filled[0]:g} and {filled[1]:g} at many places, which is no"):
+        drift(tmp_path / "a.nc")
+
+
+def test_a_stream_to_and_fro_is_no_number_that_stands_for_none():
+    """The same everywhere, so that both components are greatest at the same places and times."""
+    tide = np.cos(np.linspace(0.0, 6.0, 50))[:, None] * np.ones(30)
+    assert np.isnan(undeclared_fill(3.0 * tide, 2.0 * tide)).all()
+    assert undeclared_fill(np.where(tide > 0.9, 9.0, tide), np.where(tide > 0.9, -8.0, tide)) == (9.0, -8.0)
