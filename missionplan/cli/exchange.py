@@ -237,6 +237,7 @@ def export(
     quiet: o.Quiet = False,
 ) -> None:
     """Write the plan as a vehicle takes it: waypoints, depth, speed, time-outs, surfacings, release of the anchor."""
+    from missionplan.report.quantities import in_reader_units, reading_in, units_of
     from missionplan.report.wording import typeset
 
     loaded = missionplan.load(mission, allow_outside=allow_outside)
@@ -245,7 +246,8 @@ def export(
         return
     for path in written.files:
         typer.echo(str(path))
-    for words in written.notes:
-        remark(f"Note: {typeset(words)}")
-    for words in written.lost:
-        remark(f"Not in this format: {typeset(words)}")
+    with reading_in(units_of(loaded.raw)):
+        for words in written.notes:
+            remark(f"Note: {typeset(in_reader_units(words))}")
+        for words in written.lost:
+            remark(f"Not in this format: {typeset(in_reader_units(words))}")

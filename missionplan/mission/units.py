@@ -68,7 +68,7 @@ def dimension_of(name: str) -> str | None:
 
 
 _QUANTITY = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*")
-_NUMBER_AND_UNIT = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*([^\d\s:].*?)?\s*")
+_NUMBER_AND_UNIT = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?+)\s*((?:1/)?[^\d\s:].*?)?\s*")
 _ENDLESS = re.compile(r"\d\s*(\*\*|\^)|(\*\*|\^)[\s(+-]*\d{3}")
 """Powers of numbers, or large ones, which pint would work out for hours."""
 _MAX_LENGTH = 80

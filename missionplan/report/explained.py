@@ -185,29 +185,32 @@ _LEAST_CHANGE = 0.02
 
 
 def with_assumptions(page: Page, assumed: Sequence[Assumption]) -> Page:
-    """Tell of what is taken for granted: a page is undecided while any of it could turn the answer."""
+    """Tell of what is taken for granted: a page is undecided while any of it could turn the answer.
+
+    What is bad already turns by that alone without which it would not be.
+    """
     if not assumed:
         return page
-    words, write = _turning_in_words(assumed), page.write
-    undecided = page.verdict != "bad" and any(assumption.turns for assumption in assumed)
+    is_bad = page.verdict == "bad"
+    turning = [assumption for assumption in assumed if (assumption.mends if is_bad else assumption.turns)]
+    words, write = _turning_in_words(turning), page.write
 
     def written() -> list[PageSection]:
         sections = list(write())
         place = next((at for at, section in enumerate(sections) if not section.is_summary), len(sections))
-        return [*sections[:place], *_section(assumed), *sections[place:]]
+        return [*sections[:place], *_section(assumed, turning), *sections[place:]]
 
     return replace(
         page,
         answer=f"{page.answer}{words}",
         sentence=page.sentence and f"{page.sentence}{words}",
-        verdict="undecided" if undecided else page.verdict,
+        verdict="undecided" if turning and not is_bad else page.verdict,
         write=written,
     )
 
 
-def _turning_in_words(assumed: Sequence[Assumption]) -> str:
+def _turning_in_words(turning: Sequence[Assumption]) -> str:
     """Write which assumptions could turn the answer; nothing where none could."""
-    turning = [assumption for assumption in assumed if assumption.turns]
     if not turning:
         return ""
     first, others = turning[0], len(turning) - 1
@@ -223,7 +226,7 @@ def _turning_in_words(assumed: Sequence[Assumption]) -> str:
     return f"{words}; {others} more such {'assumption' if others == 1 else 'assumptions'} below."
 
 
-def _section(assumed: Sequence[Assumption]) -> Iterator[PageSection]:
+def _section(assumed: Sequence[Assumption], turning: Sequence[Assumption]) -> Iterator[PageSection]:
     """Tabulate them, what matters most first."""
     rows = []
     for assumption in assumed:
@@ -236,17 +239,16 @@ def _section(assumed: Sequence[Assumption]) -> Iterator[PageSection]:
                 in_reader_units(assumption.otherwise),
                 then,
                 change,
-                "could turn the answer" if assumption.turns else "",
+                "could turn the answer" if assumption in turning else "",
             )
         )
     columns = ("taken for granted", "instead", "success then", "change", "")
     caption = "Each alone, on 400 trials of the same random numbers. What is not in the mission cannot be put off."
-    yield PageSection(_heading(assumed), [Table(columns, rows, caption, text_columns=2)], is_summary=True)
+    yield PageSection(_heading(assumed, len(turning)), [Table(columns, rows, caption, text_columns=2)], is_summary=True)
 
 
-def _heading(assumed: Sequence[Assumption]) -> str:
+def _heading(assumed: Sequence[Assumption], turning: int) -> str:
     """Name what the assumptions could do: turn the answer, or change P(success) most."""
-    turning = sum(assumption.turns for assumption in assumed)
     if turning:
         return f"{turning} of its assumptions could turn this"
     most = max(assumed, key=lambda assumption: 0.0 if math.isnan(assumption.worth) else abs(assumption.worth))

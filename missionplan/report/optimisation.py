@@ -7,6 +7,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure as MatplotlibFigure
 
+from missionplan.errors import counted
 from missionplan.report.explained import (
     explanation_in_words,
     members_in_words,
@@ -34,7 +35,7 @@ def front_figure(result: Optimised) -> Figure | None:
         figure,
         "optimise",
         f"Probability of success against mean {result.aim} of the choices tried",
-        f"All choices tried, with {min(choice.trials for choice in tried)} trials or more.",
+        f"All choices tried, with {counted(min(choice.trials for choice in tried), 'trial')} or more.",
     )
 
 
@@ -120,8 +121,8 @@ def answer(result: Optimised) -> str:
     elif first:
         sentences.insert(0, f"Nothing to choose yet: first {first}. As the mission stands:")
     if result.checked is not None and result.fresh is not None:
-        trials, fresh = number(result.fresh.provenance.trials), percent(result.fresh.total.events["success"])
-        sentences.append(f"All requirements are met, on {trials} fresh trials too, of which {fresh} succeed.")
+        count, fresh = result.fresh.provenance.trials, percent(result.fresh.total.events["success"])
+        sentences.append(f"All requirements are met, on {counted(count, 'fresh trial')} too, of which {fresh} succeed.")
     sailed = members_in_words(result.members, "succeeds")
     if result.fresh is not None:
         sentences.append(explanation_in_words(result.fresh))
@@ -222,7 +223,8 @@ def _checks(result: Optimised) -> Iterator[PageSection]:
         )
         for item, fresh in zip(result.checked.requirements, result.fresh.requirements, strict=True)
     ]
-    caption = f"Each with {number(result.provenance.trials)} trials; mission-optimised.yaml has the seed of the first."
+    each = counted(result.provenance.trials, "trial")
+    caption = f"Each with {each}; mission-optimised.yaml has the seed of the first."
     columns = ("requirement", "required", "reached", "reached on fresh random numbers")
     yield PageSection("It meets all requirements on fresh random numbers too", [Table(columns, rows, caption)])
 
@@ -287,7 +289,7 @@ def _front(result: Optimised) -> Iterator[PageSection]:
 
 def _effort(result: Optimised) -> PageSection:
     text = (
-        f"{number(result.search_trials)} trials searched the {number(result.combinations)} combinations, "
+        f"{counted(result.search_trials, 'trial')} searched the {counted(result.combinations, 'combination')}, "
         f"{number(result.check_trials)} more checked the choice, and {number(result.relaxation_trials)} were run with "
         "relaxed requirements. "
         "All choices have the same random numbers. Smooth surfaces (kriging) through the cost and the requirements of "

@@ -86,10 +86,11 @@ def _joined(first: str, sign: str, second: str) -> str:
     if one is None or two is None or one[1] != two[1]:
         return f"{first} {sign} {second}"
     (number, unit), (other, _) = one, two
-    decimals, wanted = (len(text.partition(".")[2]) for text in (number, other))
+    is_small = "e" in f"{number}{other}".lower()  # powers of ten have as many digits as they need
+    decimals, wanted = (0 if is_small else len(text.partition(".")[2]) for text in (number, other))
     if sign == "±" and decimals > wanted:  # no error bears more digits than it has itself
         return f"{first}, sd {second}"
-    if sign == "±" and decimals < wanted and "e" not in number.lower():
+    if sign == "±" and decimals < wanted:
         number = f"{float(number):.{wanted}f}"
     return f"{number} {sign} {other}{'' if unit in ('°', '') else ' '}{unit}"
 

@@ -46,6 +46,14 @@ def number(value: float, error: float = 0.0) -> str:
     return _grouped(value, _decimals(error))
 
 
+def significant(value: float, sd: float) -> str:
+    """Round a value to two significant figures of its standard deviation."""
+    if not math.isfinite(sd) or sd <= 0.0:
+        return f"{value:.4g}"
+    digits = 1 - math.floor(math.log10(sd))
+    return f"{value:.{min(digits, 9)}f}" if digits > 0 else f"{round(value, digits):.0f}"
+
+
 def rounded_up(value: float) -> float:
     """Round to three digits, never to less."""
     if not math.isfinite(value) or value == 0.0:
@@ -94,8 +102,8 @@ def portion_in_words(portion: float, decimals: int = 0) -> str:
     """Write a part of a whole, rounded neither to nothing nor to all of it: ``76 %``, ``< 1 %``."""
     least = 10.0**-decimals
     if 0.0 < portion < 1.0 and not 0.005 * least < portion < 1.0 - 0.005 * least:
-        return f"< {least:g}\u00a0%" if portion < 0.5 else f"> {100.0 - least:g}\u00a0%"
-    return f"{100.0 * portion:.{decimals}f}\u00a0%"
+        return f"< {least:g} %" if portion < 0.5 else f"> {100.0 - least:g} %"
+    return f"{100.0 * portion:.{decimals}f} %"
 
 
 def _towards(value: float, direction: int) -> str:
@@ -150,6 +158,7 @@ _RULES: tuple[tuple[re.Pattern[str], str | Callable[[re.Match[str]], str]], ...]
     (re.compile(r"\b(k?)W(?:h|[*·]h| h)\b"), rf"\1W{NARROW_SPACE}h"),
     (re.compile(r"\^2\b"), "²"),
     (re.compile(r"\^3\b"), "³"),
+    (re.compile(r"/(\w+)\*\*0\.5\b"), r"/√\1"),
     (re.compile(r"\bdegC\b"), "°C"),
     (re.compile(rf"\[((?:{_UNITS})(?:/(?:m|s|N|V))?)\]"), r"(\1)"),
     (re.compile(r"\(deg\)"), "(°)"),

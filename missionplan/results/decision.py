@@ -42,6 +42,11 @@ class Assumption(Record):
         return bool(self.missed) or costs or self.success < 0.5 <= self.success - self.worth
 
     @property
+    def mends(self) -> bool:
+        """Whether a mission that fails more often than not would then succeed more often."""
+        return self.success - self.worth < 0.5 <= self.success
+
+    @property
     def turned(self) -> set[str]:
         """Phases whose choice it could turn; that of which the mission then fails for the mission as a whole."""
         whole = self.spoils or "total"

@@ -91,12 +91,14 @@ def _rows(mission: Mission) -> Iterator[tuple[str, bool, str]]:
     site = mission.site or Site()
     afloat = 0.0 if mission.navigation is None else mean_of(mission.navigation.surfacing_time)
     length, time = _way(mission)
+    legs = [mean_of(phase.d_max) for phase in mission.transits if not hasattr(phase.d_max, "table")]
+    surfacings = math.ceil(length / max(legs)) if legs else 0
+    time += surfacings * afloat
     yield ("ground", *_ground(mission, site))
     yield ("coast", *_coast(site, length))
     yield ("wind", *_wind(site, afloat))
     yield "waves", False, _waves(mission, afloat)
-    legs = [mean_of(phase.d_max) for phase in mission.transits if not hasattr(phase.d_max, "table")]
-    yield ("traffic", *_traffic(site, length, max(legs, default=0.0), afloat))
+    yield ("traffic", *_traffic(site, length, surfacings, afloat))
     yield ("equipment", *_equipment(mission, time))
     yield "biofouling", False, f"drag and weight stay those of a clean hull; {_growth(time)}"
     yield "operators", False, "ballast, settings and launch are as in the file: a check-list holds slips, this does not"
@@ -144,14 +146,14 @@ def _waves(mission: Mission, afloat: float) -> str:
     return f"runs {_m(depth)} below the surface and is {afloat:.0f} s afloat at each fix, which waves push and lengthen"
 
 
-def _traffic(site: Site, length: float, leg: float, afloat: float) -> tuple[bool, str]:
+def _traffic(site: Site, length: float, surfacings: int, afloat: float) -> tuple[bool, str]:
     if site.keep_out is not None:
         return True, "zones kept out of; ships, nets and lines in the water between them are not in"
     if length == 0.0 or afloat == 0.0:
         return False, "ships where it goes down and comes up, and nets and lines at depth, are not in"
     times = "again and again"
-    if leg > 0.0:
-        times = "once or more" if length <= leg else f"{math.ceil(length / leg)} times or more"
+    if surfacings:
+        times = "once or more" if surfacings == 1 else f"{surfacings} times or more"
     return False, f"at the surface {times} for {afloat:.0f} s; nets and lines at depth are not in either"
 
 
@@ -166,7 +168,7 @@ def _equipment(mission: Mission, time: float) -> tuple[bool, str]:
         failed = f"{100.0 * (1.0 - survival):.0f} % of deep gliders do in {days:.0f} days (Brito et al. 2014)"
         return False, f"nothing breaks; {failed} (vehicle.reliability)"
     share = f"{100.0 * lost:.2g} %" if lost >= 5e-4 else "less than 0.1 %"
-    rate = f"at the rate of deep gliders (Brito et al. 2014) {share} fail in {_duration(time)}"
+    rate = f"at the rate of deep gliders (Brito et al. 2014) {share} fail in {_duration(time)}, in still water"
     return False, f"nothing breaks; {rate} (vehicle.reliability)"
 
 

@@ -89,7 +89,7 @@ class TransitionSweep(Result):
     def best(self) -> Annotated[dict[str, float], Entry(key="least_energy")]:
         """Cell of least energy by option (a), one thruster, force alone, at the shown deceleration."""
         cells = self.shown(FORCE).drop(columns="variant")
-        least = int(cells["energy_common_wh"].to_numpy(dtype=float).argmin())
+        least = int(cells["energy_common_wh"].fillna(np.inf).to_numpy(dtype=float).argmin())
         return {str(name): float(value) for name, value in cells.iloc[least].items()}
 
     @property
@@ -147,10 +147,10 @@ class GridRuns:
     def table(self, variant: str) -> pd.DataFrame:
         """One run a row."""
         record = self._record
-        # option (a): until the slowest of each set of mid-transition speeds hovers
-        hover = np.where(np.isnan(record.hover_time), record.end_time, record.hover_time)
-        latest = hover.reshape(self._shape).max(axis=2, keepdims=True)
-        common = energy_until(record.history, np.broadcast_to(latest, self._shape).ravel())
+        # option (a): until the slowest of each set of mid-transition speeds hovers; nan where one of them never does
+        latest = record.hover_time.reshape(self._shape).max(axis=2, keepdims=True)
+        until = np.broadcast_to(latest, self._shape).ravel()
+        common = np.where(np.isnan(until), np.nan, energy_until(record.history, np.nan_to_num(until)))
         return pd.DataFrame(
             {
                 "variant": variant,

@@ -138,8 +138,7 @@ def _cells(result: TransitionSweep) -> Cells:
             quantity(speed, "m/s", "g"),
             quantity(depth, "m", ".2f"),
             f"{np.degrees(pitch):.1f}°",
-            f"{common:.1f} W h",
-            f"{to_hover:.1f} W h" if np.isfinite(to_hover) else "never",
+            *(f"{energy:.1f} W h" if np.isfinite(energy) else "never" for energy in (common, to_hover)),
         )
         for speed, depth, pitch, common, to_hover in cells[list(names)].to_numpy(dtype=float)
     ]
@@ -194,11 +193,15 @@ def _limits(result: TransitionSweep) -> str:
     )
 
 
+def _energy(value: float) -> str:
+    return f"{value:.2f}" if np.isfinite(value) else "–"
+
+
 def energy_table(result: TransitionSweep) -> Table:
     """Tabulate the energy by option (a): mid-transition speeds down, steepnesses across."""
     table = result.energy(FORCE, "a")
     rows = [
-        (quantity(speed, "m/s", "g"), *(f"{value:.2f}" for value in row))
+        (quantity(speed, "m/s", "g"), *(_energy(value) for value in row))
         for speed, row in zip(table.index, table.to_numpy(), strict=True)
     ]
     return Table(
@@ -216,7 +219,7 @@ def variant_table(result: TransitionSweep) -> Table:
             quantity(cells["depth_excursion_m"].mean(), "m", ".2f"),
             f"{np.degrees(cells['pitch_excursion_rad']).mean():.1f}°",
             f"{np.degrees(cells['hover_pitch_rad']).mean():.3f}°",
-            f"{cells['energy_common_wh'].mean():.2f} W h",
+            f"{_energy(cells['energy_common_wh'].mean(skipna=False))} W h",
         )
         for variant in (FORCE, SUCTION, PAIR)
         for cells in (result.shown(variant),)

@@ -18,6 +18,7 @@ from missionplan.mission.quantity_paths import ValueInForce
 from missionplan.mission.schema.phases import MoorPhase, TransitPhase
 from missionplan.mission.views import TransitionMission, navigation_of
 from missionplan.phases.place import Cause, Contact, Place, Way
+from missionplan.report.quantities import in_reader_units, reading_in, units_of
 from missionplan.scenario.anchors import design_current
 from missionplan.scenario.phases import moor_plan, room_in_depth
 from missionplan.scenario.scenario import Scenario, leg_spread
@@ -124,8 +125,10 @@ def validated_mission(path: Path, mission: Mission) -> Validated:
             "" if mission.optimise.choose else "optimise.choose in the mission, or --choose",
         ),
     )
-    summary = f"{_contents(mission)}{cover_in_words(mission, means.recorded)}"
-    return Validated(path, summary, mission.values_in_force(), table, tuple(notices) or mission.notices())
+    with reading_in(units_of(mission.raw)):
+        summary = in_reader_units(f"{_contents(mission)}{cover_in_words(mission, means.recorded)}")
+        told = tuple(map(in_reader_units, notices or mission.notices()))
+    return Validated(path, summary, mission.values_in_force(), table, told)
 
 
 def _contents(mission: Mission) -> str:

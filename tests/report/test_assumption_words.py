@@ -4,7 +4,8 @@ import math
 
 import pytest
 
-from missionplan.report.explained import _section, _turning_in_words
+from missionplan.report.explained import with_assumptions
+from missionplan.report.page import Page
 from missionplan.results.decision import Assumption
 
 CALM = Assumption("it is calm", "a swell", 0.03, 0.93, is_required=True)
@@ -15,6 +16,11 @@ SLOW = Assumption("it is fast", "half as fast", -0.5, 0.4, is_required=True)
 SINKS = Assumption("it floats", "it sinks", -1.0, 0.0, is_required=True)
 ALMOST = Assumption("it is light", "a stone more", -0.4, 0.4975, is_required=True)
 LATE = Assumption("it is in time", "an hour late", -0.2, 0.7, ("out.arrived", "total.duration_s"), is_required=True)
+
+
+def told(assumed, verdict="good"):
+    """The page of an answer that rests on these assumptions."""
+    return with_assumptions(Page("", "So it is.", (), lambda: [], lambda: ((), ()), verdict=verdict), assumed)
 
 
 @pytest.mark.parametrize(
@@ -28,12 +34,12 @@ LATE = Assumption("it is in time", "an hour late", -0.2, 0.7, ("out.arrived", "t
     ],
 )
 def test_the_heading_names_what_matters_most_for_better_or_worse(assumed, heading):
-    (section,) = _section(assumed)
+    (section,) = told(assumed).sections
     assert section.heading.replace("\u00a0", " ") == heading
 
 
 def test_each_assumption_has_a_row_with_success_then_and_its_change():
-    (section,) = _section([STILL, EXACT, CHARTED, SLOW, SINKS])
+    (section,) = told([STILL, EXACT, CHARTED, SLOW, SINKS]).sections
     assert [[cell.replace("\u00a0", " ") for cell in row] for row in section.blocks[0].rows] == [
         ["the water is still", "0.1 m/s", "79.6 %", "-10.4 %", ""],
         ["the log is exact", "2 % more", "90 %", "none", ""],
@@ -65,4 +71,23 @@ def test_each_assumption_has_a_row_with_success_then_and_its_change():
     ],
 )
 def test_the_first_that_could_turn_the_answer_is_told_and_how_many_more(assumed, words):
-    assert _turning_in_words(assumed).replace("\u00a0", " ") == words
+    shown = told(assumed)
+    assert shown.answer.replace("\u00a0", " ") == f"So it is.{words}"
+    assert shown.verdict == ("undecided" if words else "good")
+
+
+FOUL = Assumption("the tide is foul", "a fair one", 0.3, 0.6, is_required=True)
+
+
+def test_what_fails_already_turns_by_that_alone_without_which_it_would_not():
+    """A requirement missed for want of it, or more failures, are nothing new to a mission that fails."""
+    for assumed in ([LATE, SLOW], [STILL]):
+        fails = told(assumed, "bad")
+        assert (fails.answer, fails.verdict) == ("So it is.", "bad")
+        assert "turn" not in " ".join(fails.sections[0].blocks[0].rows[0])
+        assert "could turn" not in fails.sections[0].heading
+    mended = told([LATE, FOUL], "bad")
+    assert mended.answer.endswith(
+        "But this assumes that the tide is foul: with a fair one it succeeds 60 % of the time."
+    )
+    assert (mended.verdict, mended.sections[0].heading) == ("bad", "1 of its assumptions could turn this")

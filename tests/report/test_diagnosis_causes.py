@@ -46,6 +46,6 @@ def test_a_deviation_beyond_ten_degrees_is_not_called_that_of_a_compass(amplitud
     assert found_causes(("compass-deviation", "mean-current"), (found,)) == words
 
 
-@pytest.mark.parametrize(("share", "told"), [(1.0, "over 99 %"), (0.9951, "over 99 %"), (0.994, "99 %"), (0.0, "0 %")])
+@pytest.mark.parametrize(("share", "told"), [(1.0, "> 99 %"), (0.9951, "> 99 %"), (0.994, "99 %"), (0.0, "0 %")])
 def test_a_part_is_never_told_to_be_all(share: float, told: str) -> None:
     assert part(share) == told

@@ -309,16 +309,16 @@ def test_what_is_exact_has_no_deviation_and_little_is_not_said_to_be_nothing() -
     assert plain(evidence.sized(replace(exact, unit="m/s"))) == "0.05 m/s"
     assert [plain(kind_report.part(each)) for each in (0.0, 0.004, 0.006, 1.0)] == [
         "0 %",
-        "under 1 %",
+        "< 1 %",
         "1 %",
-        "over 99 %",
+        "> 99 %",
     ]
 
 
 @pytest.mark.parametrize(
     ("skill", "words"),
     [
-        (0.998, "over 99 % better than the last dive would"),
+        (0.998, "> 99 % better than the last dive would"),
         (-0.9, "90 % worse than the last dive would"),
         (-1.0, "2.0 times the error that the last dive would give"),
     ],

@@ -158,7 +158,7 @@ def test_the_checks_have_both_seeds_beside_what_is_required():
         "Trials of the search": "11 000",
     }
     assert len(report._numbers(found(fresh=None))) == 2
-    assert "11 000 trials searched the 6 combinations, 8000 more checked the choice, and 2048" in plain(
+    assert "11000 trials searched the 6 combinations, 8000 more checked the choice, and 2048" in plain(
         report._effort(found()).blocks[0]
     )
     assert report.page(found()).rerun.endswith("--choose 'out.speed=1:2:1 m/s' --aim energy --trials 4000 --seed 7")

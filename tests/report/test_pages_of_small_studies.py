@@ -219,7 +219,12 @@ def test_parameters_of_each_model_and_those_derived():
     assert frame["model"].tolist() == ["constant", "constant", "linear", "derived"]
     assert frame["value"].tolist() == [12.345, 0.8, 12.345, 1234.0]
     assert found.residuals()["residual"].tolist() == pytest.approx([-0.1, 0.1, -0.2])
-    assert MASS.interval_in_words(".3g") == " (90 % interval 12 to 12.7 kg)"
+    assert MASS.in_words == "12.35 kg (90 % interval 11.96 to 12.73 kg)"
+    assert (
+        replace(MASS, low=12.3445, high=12.3455, sd=0.0003).in_words
+        == "12.34500 kg (90 % interval 12.34450 to 12.34550 kg)"
+    )
+    assert DRAG.in_words == "0.8"
     assert [each.note for each in (MASS, DRAG, parameter("a", 1.0, 0.1, NAN, NAN))] == [
         "",
         "the data state no error",
@@ -299,7 +304,7 @@ def test_how_probable_a_failure_is_and_how_it_comes_about():
     often = rare.answer(failure(probability=Probability(0.6, 0.5, 0.7)))
     assert "more often than not" in often
     unmet = plain(rare.answer(failure(reached=False, probability=Probability(0.0, 0.0, 9e-5))))
-    assert unmet.startswith("No failure was found, in 40 000 trials")
+    assert unmet.startswith("No failure was found, in 40000 trials")
     assert unmet.endswith("at most 9.0·10⁻⁵.")
     events = [
         plain(rare.event_in_words(each))
@@ -329,7 +334,7 @@ def test_the_tables_of_a_rare_failure():
     ]
     assert failure().plain_trials == pytest.approx((1.0 - 1.23e-6) / (1.23e-6 * 0.123**2))
     (section,) = rare._precision(failure())
-    assert section.heading == "Known to 12 % from 40\u202f000 trials"
+    assert section.heading == "Known to 12 % from 40000 trials"
     assert "5.4·10⁷ trials" in section.blocks[0]
     assert not list(rare._precision(failure(reached=False)))
     assert dict(rare._numbers(failure())) == {

@@ -17,6 +17,8 @@ from missionplan.report.planned import _current, changed, value_in_words, where_
         ({"mean": "20 min", "sd": "5 s"}, "20 min ± 5 s"),
         ({"mean": "-4 deg", "sd": "0.5 deg"}, "-4.0 ± 0.5°"),
         ({"mean": "-1 m", "sd": "0.5 m", "high": "2 m"}, "-1.0 ± 0.5 m, at most 2 m"),
+        ({"mean": "-2.161e-05 1/s", "sd": "3.605e-05 1/s"}, "-2.161e-05 ± 3.605e-05 1/s"),
+        ({"mean": "0.2 m", "sd": "3.6e-05 m"}, "0.2 ± 3.6e-05 m"),
         ({"low": "1 m", "high": "2.25 m"}, "1 to 2.25 m"),
         ({"low": "1.25 m", "high": "2 m"}, "1.25 to 2 m"),
         ({"low": 0.5, "high": 2}, "0.5 to 2"),

@@ -128,6 +128,24 @@ def test_durations_of_those_that_end_say_of_how_many(outcome):
     assert any(heading.startswith("Half of the 76.0\u00a0% that end need") for heading in headings)
 
 
+def test_a_few_trials_are_not_nine_missions_in_ten(outcome):
+    """Between the least and the greatest of 44 nine in ten lie in less than nine cases of ten."""
+    assert 0.95**simulation.FEW < 0.1 < 0.95 ** (simulation.FEW - 1)
+
+    def ended(count):
+        few = replace(outcome.total.quantities["duration_s"], count=count, p05=3600.0, p50=3600.0, p95=3600.0)
+        total = replace(outcome.total, quantities={**outcome.total.quantities, "duration_s": few})
+        shown = simulation.page(replace(outcome, total=total))
+        return dict(shown.numbers), " ".join(section.heading for section in shown.sections)
+
+    numbers, headings = ended(1)
+    assert numbers["Duration of the 1 trial that ends"] == "60.0\u00a0min"
+    assert "The one trial that ends needs 60" in headings
+    numbers, headings = ended(44)
+    assert "Duration of the 44 trials that end" in numbers
+    assert "Half of the 44 trials that end need no more than 60" in headings
+
+
 def test_the_commonest_of_many_failures_is_named_as_such(outcome):
     steps = [Attrition(f"leg {i}: not arrived", wilson(30 + i, 100), wilson(70, 100)) for i in range(2)]
     assert (

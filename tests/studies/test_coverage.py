@@ -26,6 +26,16 @@ def test_the_box_has_its_topics_and_says_why_each_matters_here(transit_mission):
     assert "8 times" in found["traffic"].why
 
 
+def test_time_under_way_has_its_surfacings_in_it(transit_mission):
+    """As many of 90 s as there are legs."""
+    whole = transit_mission.with_(d_max="100 km")
+    times = [
+        float(re.search(r"fail in (\d+\.?\d*) h, in still water", box(each)["equipment"].why)[1])
+        for each in (whole, whole.with_({"navigation.surfacing_time": "3 h"}))
+    ]
+    assert times[1] - times[0] == pytest.approx(3.0, abs=0.1)
+
+
 def test_a_mission_of_moorings_alone_has_words_of_its_own():
     """Without a transit and a time afloat nothing is said of zero metres, seconds or hours."""
     found = box(missionplan.load(MISSIONS / "anchor-design.yaml"))

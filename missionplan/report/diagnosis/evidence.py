@@ -148,7 +148,7 @@ def ranking_section(diagnosis: Diagnosis) -> PageSection:
     shown = []
     for p in best.parameters:
         unit = _unit_of(p)
-        value, low, high = (f"{unit(size):.3g}" for size in (p.value, p.low, p.high))
+        value, low, high = (number(unit(size), unit(p.sd)) for size in (p.value, p.low, p.high))
         shown.append([parameter_in_words(p.effect, p.name), value, f"{low} to {high}", unit.name])
     heads = ["Parameter", "Value", "90 % interval", "Unit"]
     parameters = Table(heads, shown, "Parameters of the set in the first row, with 90 % intervals.")

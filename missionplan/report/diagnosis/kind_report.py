@@ -13,7 +13,7 @@ from missionplan.effects import CATALOGUE
 from missionplan.report.axes import name_axis
 from missionplan.report.page import BLUE, GREY, ORANGE, Figure, PageSection, to_figure
 from missionplan.report.quantities import in_reader_units
-from missionplan.report.wording import listed
+from missionplan.report.wording import listed, portion_in_words
 from missionplan.results.learned import Diagnosis
 from missionplan.results.learned.evidence import Causes, ParameterEstimate
 
@@ -127,8 +127,6 @@ class KindReport:
 _DESCRIBED = 5
 MOST_CERTAIN = 0.999
 """Probability beyond which it is not told more exactly: the models are approximate."""
-ALMOST_ALL = 0.995
-"""Part of a whole beyond which it is told no more exactly."""
 
 
 def names(causes: Causes) -> str:
@@ -175,9 +173,7 @@ def percent(probability: float) -> str:
 
 def part(share: float) -> str:
     """Write a part of a whole, which is never said to be all of it: the models are approximate."""
-    if 0.0 < share < 1.0 - ALMOST_ALL:
-        return "under 1 %"
-    return "over 99 %" if share > ALMOST_ALL else f"{100.0 * share:.0f} %"
+    return portion_in_words(min(share, MOST_CERTAIN))
 
 
 def causes_section(diagnosis: Diagnosis) -> list[PageSection]:

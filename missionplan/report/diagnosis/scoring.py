@@ -8,7 +8,7 @@ from matplotlib.ticker import MaxNLocator
 from missionplan.errors import InputError, Problem, counted, shown
 from missionplan.montecarlo.statistics import wilson
 from missionplan.report.axes import name_axis
-from missionplan.report.diagnosis.kind_report import ALMOST_ALL, part, percent
+from missionplan.report.diagnosis.kind_report import part, percent
 from missionplan.report.page import BLUE, GREY, ORANGE, Figure, Page, PageSection, Table, to_figure, typed
 from missionplan.report.quantities import quantity
 from missionplan.results.score import PIT_BINS, STATED, DatasetScore, Prediction, Score, pit_counts
@@ -122,6 +122,8 @@ YARDSTICKS = {
 }
 SAME = 0.03
 """Skills that are as good as one another."""
+_TWICE = 1.0
+"""Loss against the last leg from which it is told as a multiple."""
 _FAR = 0.15
 """From 50 %, beyond which the coverage of the 50 % intervals is told too."""
 SHARES = ((0.8, "four fifths"), (2 / 3, "two thirds"), (0.5, "half"), (1 / 3, "a third"), (0.25, "a quarter"))
@@ -187,7 +189,7 @@ def _against(skill: float, one: str) -> str:
     """Put a skill against the last leg in words."""
     if abs(skill) < SAME:
         return f"as well as the last {one} would"
-    if skill < -ALMOST_ALL:
+    if skill <= -_TWICE:
         return f"{1.0 - skill:.1f} times the error that the last {one} would give"
     near = next((word for share, word in SHARES if abs(abs(skill) - share) < SAME), part(abs(skill)))
     return f"{near} {'better' if skill > 0.0 else 'worse'} than the last {one} would"

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 
 from matplotlib.axes import Axes
 
-from missionplan.errors import InputError, Problem, did_you_mean, shown
+from missionplan.errors import InputError, Problem, counted, did_you_mean, shown
 from missionplan.exporters.plan_json import plan_json
 from missionplan.exporters.table import waypoints_csv
 from missionplan.montecarlo.statistics import wilson
@@ -47,6 +47,8 @@ from missionplan.report.wording import capitalised, in_words, listed, number, pe
 from missionplan.results.entries import mapping
 from missionplan.results.simulation import Outcome, PhaseOutcome
 
+FEW = 45
+"""Trials below which the least and the greatest are told, as nine in ten may not lie between them (0.95⁴⁵ = 0.1)."""
 _ALWAYS_DRAWN = ("total.duration_s", "total.energy_wh")
 """Quantities whose distribution is drawn even without a requirement on them."""
 
@@ -96,8 +98,11 @@ def distributions_section(outcome: Outcome) -> PageSection:
         if statistic is not None and math.isfinite(statistic.p50):
             unit = unit_of(outcome, outcome.total, key)
             medians.append(f"{span(statistic, unit)[1]}{unit.suffix}")
+    ended = outcome.total.quantities["duration_s"].count
     which = of_those_that_end(outcome, "duration_s", "") or "the missions"
-    heading = f"Half of {which} need no more than {' and '.join(medians)}" if medians else "No mission comes to its end"
+    which = which if ended >= FEW else f"the {ended} trials that end"
+    need = "The one trial that ends needs" if ended == 1 else f"Half of {which} need no more than"
+    heading = f"{need} {' and '.join(medians)}" if medians else "No mission comes to its end"
     return PageSection(heading, [*([histograms(outcome, varying)] if varying else []), *fixed])
 
 
@@ -124,7 +129,8 @@ def quantities_section(outcome: Outcome) -> PageSection:
             reached = "" if statistic.count == trials else share(wilson(statistic.count, trials))
             unit = unit_of(outcome, phase, key)
             rows.append((in_words(f"{phase.name}.{key}"), *span(statistic, unit), unit.name, reached))
-    columns = ("quantity", "5 %", "50 %", "95 %", "", "trials that reached it")
+    least, most = ("least", "most") if trials < FEW else ("5 %", "95 %")
+    columns = ("quantity", least, "50 %", most, "", "trials that reached it")
     caption = "Of the trials that reached it; means, their errors and standard deviations are in quantities.csv."
     return PageSection("Every quantity, phase by phase", [Table(columns, rows, caption)])
 
@@ -162,7 +168,8 @@ def _cells(outcome: Outcome) -> Cells:
         events = [f"{in_words(name)} {share(probability)}" for name, probability in phase.events.items()]
         ranges = (range_in_words(outcome, phase, key) for key in ("duration_s", "energy_wh"))
         rows.append((shortened(phase.label), events[0] if events else "", *ranges))
-    columns = ("phase", "of the trials", "those that end take (5–95 %)", "and use (5–95 %)")
+    ends = "" if outcome.provenance.trials < FEW else " (5–95 %)"
+    columns = ("phase", "of the trials", f"those that end take{ends}", f"and use{ends}")
     return columns, rows
 
 
@@ -290,6 +297,8 @@ def _numbers(outcome: Outcome) -> list[tuple[str, str]]:
         statistic = outcome.total.quantities.get(key)
         if statistic is not None and math.isfinite(statistic.p50):
             whole = f"{label} of nine missions in ten{of_those_that_end(outcome, key, ', of ')}"
+            if statistic.count < FEW:
+                whole = f"{label} of the {counted(statistic.count, 'trial')} that end{'s' * (statistic.count == 1)}"
             shown.append((whole, range_in_words(outcome, outcome.total, key)))
     return shown
 
@@ -312,7 +321,7 @@ def range_in_words(outcome: Outcome, phase: PhaseOutcome, key: str) -> str:
         return "–"
     unit = unit_of(outcome, phase, key)
     low, _, high = span(statistic, unit)
-    return f"{low} to {high}{unit.suffix}"
+    return f"{low}{unit.suffix}" if low == high else f"{low} to {high}{unit.suffix}"
 
 
 def of_those_that_end(outcome: Outcome, key: str, before: str) -> str:

@@ -267,7 +267,7 @@ def _check_any_runs(cells: Sequence[Cell]) -> None:
         return
     reasons = list(dict.fromkeys(cell.reason for cell in cells))
     shown = "; ".join(reasons[:_SHOWN]) + ("; …" if len(reasons) > _SHOWN else "")
-    raise InputError([Problem(f"none of the {len(cells)} cells can be run: {shown}", key=OPTION)])
+    raise InputError([Problem(f"no cell can be run: {shown}", key=OPTION)])
 
 
 def _notices(mission: Mission, task: CellTask) -> tuple[str, ...]:

@@ -65,11 +65,12 @@ NUMBERS = ("value", "sd", "low", "high")
 
 @dataclass(frozen=True)
 class _Report:
-    """A report of `diagnose`: its place, its summary, and the start of its mission."""
+    """A report of `diagnose`: its place, its summary, and the start and the units of its mission."""
 
     place: str
     summary: Mapping[str, object]
     start: str
+    units: object
     seen: tuple[Seen, ...] = ()
     """What its mission has seen of levels."""
 
@@ -129,7 +130,7 @@ def history(folder: str | Path, *, mission: MissionOrPath | None = None) -> Hist
         file="",
         options={"folder": str(root), **({} if planned is None else {"mission": planned.file})},
         elapsed_s=time.perf_counter() - began,
-        data={"folder": str(root), "reports": list(places)},
+        data={"folder": str(root), "reports": list(places), **_units(reports)},
         notices=(*foreign, *copies, *notices, *_other_programs(reports)),
         inputs={
             "reports": {report.place: digest_of(report.summary) for report in reports},
@@ -138,6 +139,12 @@ def history(folder: str | Path, *, mission: MissionOrPath | None = None) -> Hist
     )
     written = rates_file(rates, planned) if rates else ""
     return History(provenance, places, entries, ordered_by, levels, rates, written)
+
+
+def _units(reports: Sequence[_Report]) -> dict[str, object]:
+    """Return the units in which all missions are written; nothing where they differ."""
+    units = {report.units for report in reports if isinstance(report.units, str)}
+    return {"units": units.pop()} if len(units) == 1 and all(report.units for report in reports) else {}
 
 
 def _followed(reports: Sequence[_Report], ordered_by: str) -> tuple[tuple[Learned, ...], tuple[ParameterLevels, ...]]:
@@ -214,12 +221,12 @@ def _read(place: Path, root: Path) -> _Report | None:
     if not isinstance(summary, dict) or not isinstance(summary.get("ranking"), list) or not _can_be_told(summary):
         raise InputError([Problem("is not the summary of a diagnosis", str(file))])
     mission = load_document(place / "mission.yaml").data if (place / "mission.yaml").is_file() else {}
-    start = str(mapping(mission).get("start") or "")
+    start, units = str(mapping(mission).get("start") or ""), mapping(mission).get("units")
     try:
         seen = read_draws(place / FILE).seen if (place / FILE).is_file() else ()
     except DamagedPosteriorError as error:
         raise InputError([Problem(str(error), str(place / FILE))]) from error
-    return _Report(place.relative_to(root).as_posix(), summary, start, seen)
+    return _Report(place.relative_to(root).as_posix(), summary, start, units, seen)
 
 
 def _can_be_told(summary: Mapping[str, object]) -> bool:

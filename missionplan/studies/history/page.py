@@ -11,8 +11,8 @@ from missionplan.errors import InputError, Problem, did_you_mean, shown
 from missionplan.report.diagnosis.findings import ageing_in_words
 from missionplan.report.diagnosis.kind_report import part
 from missionplan.report.page import BLUE, GREY, ORANGE, Cells, Figure, Page, PageSection, Table, to_figure, typed
-from missionplan.report.quantities import Unit, reader_unit
-from missionplan.report.wording import has_spread, listed, parameter_in_words
+from missionplan.report.quantities import Unit, reader_unit, with_error
+from missionplan.report.wording import listed, number, parameter_in_words
 from missionplan.studies.history.result import History, Learned
 
 MOST_PANELS = 12
@@ -135,9 +135,7 @@ def _named(entry: Learned) -> str:
 
 
 def _valued(entry: Learned) -> str:
-    unit = _unit(entry)
-    sd = f" ± {unit(entry.sd):.2g}" if has_spread(entry.value, entry.sd) else ""
-    return f"{unit(entry.value):.3g}{sd}{unit.suffix}"
+    return with_error(entry.value, entry.sd, _unit(entry))
 
 
 def _unit(entry: Learned) -> Unit:
@@ -150,7 +148,8 @@ def _rows(history: History) -> list[list[str]]:
     for entries in history.parameters.values():
         for entry in entries:
             unit = _unit(entry)
-            interval = f"{unit(entry.low):.3g} to {unit(entry.high):.3g}{unit.suffix}"
+            low, high = (number(unit(end), unit(entry.sd)) for end in (entry.low, entry.high))
+            interval = f"{low} to {high}{unit.suffix}"
             doubt = f", if it is that ({part(entry.probability)})" if entry.probability < SURE else ""
             state = f"{'changed' if entry.is_change else entry.state}{doubt}"
             rows.append([_named(entry), entry.report, _valued(entry), interval, state])
@@ -170,8 +169,8 @@ def _figure(history: History) -> Figure | None:
         draw_parameter(axes, history, entries)
     for axes in panels[len(drawn) :]:
         axes.set_axis_off()
-    for number, axes in enumerate(panels[: len(drawn)]):
-        is_lowest = number >= max(len(drawn) - columns, 0)
+    for place, axes in enumerate(panels[: len(drawn)]):
+        is_lowest = place >= max(len(drawn) - columns, 0)
         axes.xaxis.set_tick_params(labelbottom=is_lowest)
         axes.set_xlabel("Diagnosis" if is_lowest else "")
     return to_figure(

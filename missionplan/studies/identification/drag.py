@@ -48,7 +48,7 @@ def identify_drag(data: TankData, settings: DragSettings) -> TankAnalysis:
     compared, coefficient = _compared(data, settings), best["drag_coefficient"]
     at = f" at Re {middle:.2g}" if best is richer else ""
     return TankAnalysis(
-        answer=f"The drag coefficient{at} is {coefficient.value:.3f}{coefficient.interval_in_words('.3f')}.",
+        answer=f"The drag coefficient{at} is {coefficient.in_words}.",
         fits=fits,
         panels=(
             FitPanel(

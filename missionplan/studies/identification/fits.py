@@ -15,6 +15,7 @@ from scipy.special import chdtrc, fdtrc, stdtrit
 
 from missionplan.arrays import Array
 from missionplan.errors import RunError
+from missionplan.report.wording import significant
 from missionplan.results import Provenance, Result, to_csv, to_yaml
 from missionplan.results.entries import Entry, Record
 
@@ -36,10 +37,12 @@ class IdentifiedParameter(Record):
         """Whether there is an interval."""
         return math.isfinite(self.low) and math.isfinite(self.high)
 
-    def interval_in_words(self, digits: str) -> str:
-        """Write `` (90 % interval 1.2 to 1.4 kg)`` in a format such as ``.3g``; empty where there is none."""
-        unit = f" {self.unit}" if self.unit else ""
-        return f" (90 % interval {self.low:{digits}} to {self.high:{digits}}{unit})" if self.has_interval else ""
+    @property
+    def in_words(self) -> str:
+        """Write ``1.31 kg (90 % interval 1.22 to 1.40 kg)``, to two digits of its error; no interval where none is."""
+        unit, error = f" {self.unit}" if self.unit else "", self.sd if self.has_interval else math.nan
+        value, low, high = (significant(number, error) for number in (self.value, self.low, self.high))
+        return f"{value}{unit} (90 % interval {low} to {high}{unit})" if self.has_interval else f"{value}{unit}"
 
     @property
     def note(self) -> Annotated[str, Entry()]:

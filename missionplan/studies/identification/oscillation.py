@@ -177,7 +177,7 @@ def _from_record(data: TankData, settings: OscillationSettings) -> TankAnalysis:
         alt=f"Displacement against time with the fit {best.name}.",
     )
     return TankAnalysis(
-        answer=f"The added mass is {physical[0].value:.3g} kg{physical[0].interval_in_words('.3g')}.",
+        answer=f"The added mass is {physical[0].in_words}.",
         fits=fits,
         panels=(panel,),
         remarks=(remark,) if widened > 1.05 and not best.does_not_fit else (),

@@ -1,7 +1,5 @@
 """Report of `identify`: the parameters, and each fit over its data with the residuals below."""
 
-import math
-
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure as MatplotlibFigure
@@ -22,7 +20,7 @@ from missionplan.report.page import (
     to_figure,
     typed,
 )
-from missionplan.report.wording import capitalised
+from missionplan.report.wording import capitalised, significant
 from missionplan.results import to_yaml
 from missionplan.studies.identification.fits import FitPanel, Identification, IdentifiedParameter
 
@@ -154,14 +152,6 @@ def _numbers_of(estimate: IdentifiedParameter) -> tuple[str, str, str, str]:
     if not estimate.has_interval:
         return value, "not known", "none", estimate.unit
     return value, sd, f"{low} to {high}", estimate.unit
-
-
-def significant(value: float, sd: float) -> str:
-    """Round a value to two significant figures of its standard deviation."""
-    if not math.isfinite(sd) or sd <= 0.0:
-        return f"{value:.4g}"
-    digits = 1 - math.floor(math.log10(sd))
-    return f"{value:.{min(digits, 9)}f}" if digits > 0 else f"{round(value, digits):.0f}"
 
 
 def fit(axes: Axes, result: Identification, panel: int = 0) -> None:

@@ -9,6 +9,7 @@ from missionplan.datasets.tank import NoiseLevels, TankData, ThrusterGeometry, T
 from missionplan.errors import RunError, counted
 from missionplan.physics import tunnel_thruster as tt
 from missionplan.physics.tunnel_thruster import bollard_pull
+from missionplan.report.wording import significant
 from missionplan.studies.identification.fits import (
     FitCurve,
     FitPanel,
@@ -64,8 +65,8 @@ def identify_tunnel_thruster(
     if "suction_offset" in best:
         fragment["suction_offset"] = f"{best['suction_offset'].value:.4g} m"
     return TankAnalysis(
-        answer=f"The static constant is {best['thrust_constant'].value:.4g} N s², and speed takes thrust away with c = "
-        f"{best['decay'].value:.2f}{best['decay'].interval_in_words('.2f')}.",
+        answer=f"The static constant is {best['thrust_constant'].in_words}, and speed takes thrust away with c = "
+        f"{best['decay'].in_words}.",
         fits=fits,
         panels=_panels(run, best, force, measured),
         remarks=tuple(remarks),
@@ -210,7 +211,7 @@ def identify_thruster(data: TankData, settings: ThrusterSettings) -> TankAnalysi
         curves=(FitCurve(best.name, line, np.asarray(pull)),),
         alt="Static thrust against the command with the preferred fit.",
     )
-    parts = [f"{e.value:.4g} {e.unit} {e.name}" for e in best.estimates if e.name != "deadband"]
+    parts = [f"{significant(e.value, e.sd)} {e.unit} {e.name}" for e in best.estimates if e.name != "deadband"]
     band = f", with a deadband of {best['deadband'].value:.2g} {best['deadband'].unit}" if "deadband" in best else ""
     fragment: dict[str, object] = {"name": "thruster"}
     for e in best.estimates:

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 
 from matplotlib.axes import Axes
 
+from missionplan.errors import counted
 from missionplan.report.page import Block, Cells, Page, PageSection, Table, typed
 from missionplan.report.quantities import Unit, reader_unit
 from missionplan.report.simulation.quantities import failure_in_words
@@ -40,8 +41,8 @@ def answer(risk: RareFailure) -> str:
     """Write how probable the failure is, and how it comes about."""
     if not risk.reached:
         return (
-            f"No {event_in_words(risk.event)} was found, in {number(risk.provenance.trials)} trials led towards each "
-            f"way to fail by its own margin. By plain trials alone it is at most {_power(risk.probability.high)}."
+            f"No {event_in_words(risk.event)} was found, in {counted(risk.provenance.trials, 'trial')} led towards "
+            f"each way to fail by its own margin. By plain trials alone it is at most {_power(risk.probability.high)}."
         )
     value = risk.probability.value
     chance = f"{_power(value)} ({_power(risk.probability.low)} to {_power(risk.probability.high)})"
@@ -156,7 +157,7 @@ def _precision(risk: RareFailure) -> Iterator[PageSection]:
     if not risk.reached:
         return
     yield PageSection(
-        f"Known to {100.0 * risk.variation:.0f} % from {number(risk.provenance.trials)} trials",
+        f"Known to {100.0 * risk.variation:.0f} % from {counted(risk.provenance.trials, 'trial')}",
         [
             f"{risk.repetitions} independent runs of subset simulation of at most {risk.levels} levels, each with a "
             "pilot of its own; the interval follows from their scatter (Student's t on the logarithm). A plain Monte "

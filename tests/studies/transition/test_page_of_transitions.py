@@ -8,6 +8,7 @@ import pandas as pd
 import pytest
 from matplotlib.figure import Figure
 
+from missionplan.studies import sweep_transition
 from missionplan.studies import transition_page as pages
 from missionplan.studies.sweep_transition import FORCE, PAIR, SUCTION, TimeHistory, TransitionSweep
 
@@ -61,6 +62,24 @@ def test_energies_are_of_the_variant_the_deceleration_and_the_option(result):
     assert [plain(each) for each in table.columns] == ["mid-transition speed", "0.05 m/s", "0.1 m/s", "0.2 m/s"]
     assert [plain(row[0]) for row in table.rows] == ["0.4 m/s", "0.7 m/s", "1 m/s"]
     assert [[float(each) for each in row[1:]] for row in table.rows] == result.energy(FORCE, "a").to_numpy().tolist()
+
+
+def test_energy_until_all_hover_is_none_where_one_of_a_set_never_does(result, monkeypatch):
+    """A thruster draws to the end of a run that never hovers: that is no energy of a transition."""
+    monkeypatch.setattr(sweep_transition, "energy_until", lambda history, until: 3600.0 * until)
+    runs = object.__new__(sweep_transition.GridRuns)
+    rest = dict.fromkeys(("depth_excursion", "pitch_excursion", "hover_pitch", "energy_to_hover", "out_of_range"), 0.0)
+    hover = np.array([10.0, 20.0, 30.0, np.nan])
+    runs._shape, runs._points = (1, 2, 2), np.zeros((3, 4))
+    runs._record = SimpleNamespace(hover_time=hover, end_time=99.0, history=None, **rest)
+    np.testing.assert_equal(runs.table(FORCE)["energy_common_wh"].to_numpy(), [20.0, 20.0, np.nan, np.nan])
+    late = result.cells.assign(
+        energy_common_wh=result.cells["energy_common_wh"].where(result.cells["steepness_m_s"] > 0.06)
+    )
+    some = TransitionSweep(**{**vars(result), "cells": late})
+    assert some.best["steepness_m_s"] > 0.06
+    assert {row[3] for row in pages._cells(some)[1]} == {"never"}
+    assert {row[1] for row in pages.energy_table(some).rows} == {"–"}
 
 
 def test_words_and_tables(result):
