@@ -74,10 +74,10 @@ def test_energy_until_all_hover_is_none_where_one_of_a_set_never_does(result, mo
     runs._record = SimpleNamespace(hover_time=hover, end_time=99.0, history=None, **rest)
     np.testing.assert_equal(runs.table(FORCE)["energy_common_wh"].to_numpy(), [20.0, 20.0, np.nan, np.nan])
     late = result.cells.assign(
-        energy_common_wh=result.cells["energy_common_wh"].where(result.cells["steepness_m_s"] > 0.06)
+        energy_common_wh=result.cells["energy_common_wh"].where(result.cells["steepness_m_s"] > 0.15)
     )
     some = TransitionSweep(**{**vars(result), "cells": late})
-    assert some.best["steepness_m_s"] > 0.06
+    assert some.best["steepness_m_s"] == 0.2
     assert {row[3] for row in pages._cells(some)[1]} == {"never"}
     assert {row[1] for row in pages.energy_table(some).rows} == {"–"}
 
