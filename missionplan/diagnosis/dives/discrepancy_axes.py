@@ -22,6 +22,7 @@ from missionplan.phases.hooks import DescentEffect
 
 AXIS_LABELS = {"time": "Time since the line is taut (s)", "speed": "Speed (m/s)", "depth": "Depth (m)"}
 DRAG_BY_DEPTH = "drag that changes with depth"
+DRAG_OF_SOME = "drag that is otherwise in one dive or some"
 NODES = 17
 """Nodes of the hat basis of a force along an axis."""
 READING, DRAG, LIFT, DELAY = 0.3, 0.3, 1.5, 0.5
@@ -46,7 +47,8 @@ def descent_axes(model: LinearisedDescent, linear: DiveLinearisation) -> list[Ax
     shared = [_reading_error(name, values) for name, values in extents.items()]
     forces = force_axes(model.forward.coarse, model.coordinates, linear.at, linear.release_delays, extents)
     # each dive's own of a common error of the depth, and delay; a force or a reading with a trend over dives
-    dive, weight = np.repeat(np.arange(len(logs)), [len(log.t) for log in logs]), linear.sensitivity("weight")
+    dive = np.repeat(np.arange(len(logs)), [len(log.t) for log in logs])
+    weight, drag = linear.sensitivity("weight"), linear.sensitivity("drag")
     axes = []
     if len(logs) > 1:
         eye = np.eye(len(logs))[dive]  # 1 where a reading is of a dive
@@ -55,8 +57,9 @@ def descent_axes(model: LinearisedDescent, linear: DiveLinearisation) -> list[Ax
         axes.append(replace(differing("a delay that differs from dive to dive", delays), size=DELAY, in_some_runs=True))
     if len(logs) > 2:
         axes.append(_wrong_anchor(logs, eye, weight))
+        axes.append(replace(differing(DRAG_OF_SOME, eye * drag[:, None]), size=DRAG, in_some_runs=True))
         lift = -weight / np.array([log.wet_weight for log in logs])[dive]
-        axes.append(_trend("drag", linear.sensitivity("drag"), dive, DRAG, ("Extra drag (%)", 100.0)))
+        axes.append(_trend("drag", drag, dive, DRAG, ("Extra drag (%)", 100.0)))
         axes.append(_trend("a lift", lift, dive, LIFT, ("Lift (N)", 1.0)))
         axes.append(_trend("an error of the depth read", eye.sum(axis=1), dive, READING, ("Error (m)", 1.0)))
     return [*shared, *forces, *axes]

@@ -5,9 +5,13 @@ from dataclasses import replace
 import pytest
 
 from missionplan import diagnose
+from missionplan.diagnosis.dives.discrepancy_axes import DRAG_OF_SOME
 from missionplan.report.diagnosis.page import answer
 from tests.hidden_effects.cases import draw_case
 from tests.hidden_effects.dives import draw_worth
+from tests.hidden_effects.dives.catalogue import EffectKind
+from tests.hidden_effects.dives.dynamics import DiveEffect
+from tests.hidden_effects.dives.outside import OUTSIDE
 
 
 def diagnosed(case, folder):
@@ -96,6 +100,22 @@ def test_an_anchor_that_weighs_otherwise_than_the_log_book_says_is_described(see
     likeliest = max(found.readings.responses, key=lambda response: response[2])
     assert likeliest[1].startswith("an anchor that weighs otherwise than the log book says")
     assert likeliest[2] > 0.9
+
+
+def _weed_on_the_first(size, rng, conditions):
+    return DiveEffect(drag=lambda t, u, z, number: 1.0 + size * (number == 0)), {}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [51_700_006, 51_700_116])
+def test_weed_that_one_dive_tows_is_no_scatter_of_all(seed, tmp_path, monkeypatch):
+    """Found: 2.9 s late of 27 s in one dive of eight, adequate at 76 %, as no anchor's weight does what drag does."""
+    monkeypatch.setitem(OUTSIDE, "weed", EffectKind(0.1, 0.6, _weed_on_the_first))
+    found = diagnosed(draw_worth(seed, "weed", (20.0, 60.0)), tmp_path)
+    assert found.verdict == "unexplained"
+    assert found.causes == ()
+    likeliest = max(found.readings.responses, key=lambda response: response[2])
+    assert likeliest[1] == DRAG_OF_SOME
 
 
 def moved(case, *, rate=1.0, aft=0.0):
