@@ -47,8 +47,10 @@ def take_trials(value: Value, trials: NDArray[np.intp], *, alike: bool = False) 
     if isinstance(value, tuple):
         return cast("Value", tuple(take_trials(item, trials, alike=alike) for item in value))
     if is_dataclass(value) and not isinstance(value, type):
-        taken = {field.name: take_trials(getattr(value, field.name), trials, alike=alike) for field in fields(value)}
-        return replace(value, **taken)
+        whole = {field.name: getattr(value, field.name) for field in fields(value)}
+        taken = {name: take_trials(item, trials, alike=alike) for name, item in whole.items()}
+        changed = {name: item for name, item in taken.items() if item is not whole[name]}
+        return replace(value, **changed) if changed else value
     return value
 
 

@@ -13,7 +13,6 @@ from missionplan.datasets.legs import read_transit
 from missionplan.diagnosis.data_kind import KINDS
 from missionplan.diagnosis.diagnose import diagnose
 from missionplan.errors import InputError
-from missionplan.importers import import_logs
 from missionplan.mission import Mission, MissionOrPath
 from missionplan.results.learned import Campaign, Diagnosis
 from missionplan.store.folder import as_path
@@ -155,6 +154,8 @@ def why(
     InputError
         When the logs, the mission or an option are wrong.
     """
+    from missionplan.importers import import_logs
+
     dataset = as_path(folder, "folder") / DATASET
     import_logs(sources, progress=progress, **reading).save(dataset, force=True)
     sailed = dataset / MISSION if mission is None else mission

@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
-from scipy.integrate import trapezoid
 
 from missionplan.arrays import Array
 from missionplan.errors import counted
@@ -245,7 +244,8 @@ def _mean_depth(track: Track, start: float, end: float) -> float:
     logged = track.depth.within(start, end)
     if len(logged) < 2:
         return float("nan")
-    return max(float(trapezoid(logged.values, logged.t) / (logged.t[-1] - logged.t[0])), 0.0)
+    area = np.sum(np.diff(logged.t) * (logged.values[1:] + logged.values[:-1]) / 2.0)
+    return max(float(area / (logged.t[-1] - logged.t[0])), 0.0)
 
 
 def _mean_heading(track: Track, start: float, end: float) -> float:

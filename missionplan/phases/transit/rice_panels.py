@@ -175,6 +175,6 @@ def solve_ascending(matrix: csr_array, right: Array) -> Array:
             right_side = right[rest] + matrix[rest, :done] @ solution[:done]
             solution[rest] = splu(coupled, permc_spec="NATURAL").solve(right_side)
             return solution
-        solution[done:end] += matrix[done:end, :done] @ solution[:done]
+        solution[done:end] += matrix[done:end] @ solution
         done = end
     return solution
