@@ -36,10 +36,12 @@ class DatasetSettings(FileSection):
 
     kind: Annotated[str, Doc("what was measured")]
     file_schema: DatasetSchema = Field(default="missionplan/dataset/1", alias="schema")
-    name: Annotated[Text, Doc("name of the data set, for reports")] = ""
-    file: Annotated[str, Doc("the CSV beside it")]
-    source: Annotated[Text, Doc("where the data are from")] = ""
-    runs: Annotated[Mapping[str, object], Doc("what differed from the mission, run by run")] = {}
+    name: Annotated[Text, Doc("name of the data set, for reports"), Field(examples=["sea trial"])] = ""
+    file: Annotated[str, Doc("the CSV beside it"), Field(examples=["legs.csv"])]
+    source: Annotated[Text, Doc("where the data are from"), Field(examples=["log of 12 June 2025"])] = ""
+    runs: Annotated[
+        Mapping[str, object], Doc("what differed from the mission, run by run"), Field(examples=[{"1": {}}])
+    ] = {}
 
 
 S_co = TypeVar("S_co", bound=DatasetSettings, covariant=True)

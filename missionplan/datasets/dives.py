@@ -13,6 +13,7 @@ from typing import Annotated
 
 import numpy as np
 import pandas as pd
+from pydantic import Field
 from typing_extensions import Doc
 
 from missionplan.arrays import Array
@@ -53,7 +54,11 @@ class DivesSettings(DatasetSettings):
     """Keys of a data set of dives."""
 
     start: Annotated[Moment | None, Doc("date of the dives")] = None
-    runs: Annotated[Mapping[str, RunSection], Doc("what differed from the mission, dive by dive")] = {}
+    runs: Annotated[
+        Mapping[str, RunSection],
+        Doc("what differed from the mission, dive by dive"),
+        Field(examples=[{"dive-1": {"depth": "40 m"}}]),
+    ] = {}
 
 
 def date_of_runs(names: Iterable[str], settings: DivesSettings) -> float:

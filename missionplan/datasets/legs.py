@@ -98,7 +98,9 @@ class LegNoise(FileSection):
 
     fix: Annotated[q.FixedLength | None, Doc("standard deviation of a fix, each axis")] = None
     reckoned_speed: Annotated[
-        float | None, Field(gt=0.0, le=1.0), Doc("of a dead reckoning made without a logged speed, over that speed")
+        float | None,
+        Field(gt=0.0, le=1.0, examples=[0.1]),
+        Doc("standard deviation of a speed of which dead reckoning is made where none was logged, over that speed"),
     ] = None
 
 

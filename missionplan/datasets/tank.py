@@ -25,10 +25,11 @@ from missionplan.datasets import (
 from missionplan.datasets.records import ROW_BY_ROW, row_identities, row_texts, table_identity, written_once
 from missionplan.datasets.table import Columns, CsvTable, wrong_cells
 from missionplan.errors import Problem
-from missionplan.mission.schema import FileSection, Moment, ReadBy, invalid
+from missionplan.mission.schema import FileSection, Moment, ReadBy
 from missionplan.mission.schema import quantity_parser as q
 from missionplan.mission.schema.quantity_parser import QuantityParser
 from missionplan.mission.schema.site import WaterSection
+from missionplan.mission.units import QuantityError
 from missionplan.moments import EPOCH_SCALE
 from missionplan.montecarlo.distributions import Quantity, mean_of
 from missionplan.physics.water import sea_water
@@ -67,8 +68,8 @@ class TankSettings(DatasetSettings):
 class Compared(FileSection):
     """Another table of the same kind to compare with, such as a CFD calculation."""
 
-    name: Annotated[Text, Doc("what the other table is")]
-    file: Annotated[str, Doc("its CSV")]
+    name: Annotated[Text, Doc("what the other table is"), Field(examples=["towing tank"])]
+    file: Annotated[str, Doc("its CSV"), Field(examples=["cfd.csv"])]
     reference_area: Annotated[Area | None, Doc("area to which its coefficients refer")] = None
 
 
@@ -88,28 +89,28 @@ DRAG = DatasetFormat(
 )
 
 
-def _known(unit: str) -> ReadBy:
-    """Return a validator of a positive quantity that says why it is needed where it is missing."""
-    parser = QuantityParser(unit, low=0.0, open_low=True, fixed=True)
+class _Needed(QuantityParser):
+    """Reads a positive quantity, and says why it is needed where it is missing."""
 
-    def read(value: object) -> Quantity:
+    def parse(self, value: object) -> Quantity:
+        """Read a value; see `QuantityParser.parse`."""
         if value is None:
-            raise invalid(
+            raise QuantityError(
                 "missing; stiffness, mass and added mass cannot be found together from frequencies (only k/(m + m_ad) "
-                f"acts), so the first two must be given; expected {parser.expected}"
+                f"acts), so the first two must be given; expected {self.expected}"
             )
-        return parser(value)
-
-    return ReadBy(read)
+        return super().parse(value)
 
 
 class OscillationSettings(TankSettings):
     """Keys of a data set of kind ``free-oscillation``; `scale` is full size over model."""
 
-    stiffness: Annotated[float, _known("N/m"), Doc("stiffness of the springs")] = Field(
+    stiffness: Annotated[
+        float, ReadBy(_Needed("N/m", low=0.0, open_low=True, fixed=True)), Doc("stiffness of the springs")
+    ] = Field(default=None, validate_default=True)
+    mass: Annotated[float, ReadBy(_Needed("kg", low=0.0, open_low=True, fixed=True)), Doc("mass of the model")] = Field(
         default=None, validate_default=True
     )
-    mass: Annotated[float, _known("kg"), Doc("mass of the model")] = Field(default=None, validate_default=True)
     scale: Annotated[Number, Doc("full size over model")] = 1.0
 
 
@@ -135,7 +136,9 @@ class PropellerGeometry(FileSection):
     diameter: Annotated[q.FixedLength, Doc("diameter of the disc")]
     wake_fraction: Annotated[Fraction, Doc("share of the speed by which the wake is slower")] = 0.0
     axial_flow_factor: Annotated[Fraction, Doc("factor a on the axial flow")] = 0.0
-    torque_coefficient: Annotated[tuple[Number, Slope] | None, Doc("β₀ and β₁ of K_Q = β₀ + β₁J")] = None
+    torque_coefficient: Annotated[
+        tuple[Number, Slope] | None, Doc("β₀ and β₁ of K_Q = β₀ + β₁J"), Field(examples=[[0.05, -0.04]])
+    ] = None
     shaft_inertia: Annotated[Inertia | None, Doc("moment of inertia of motor, shaft and propeller")] = None
     flow_damping: Annotated[FlowDamping | None, Doc("d_f0 and d_f of the flow in the disc")] = None
 

@@ -38,7 +38,7 @@ from missionplan.studies.identification.fits import Identification
 from missionplan.studies.leg_length.plan_result import LegPlan
 from missionplan.studies.leg_length.sweep_result import Sweep
 from missionplan.studies.rare_failure import RareFailure
-from missionplan.studies.schema_sections import Schema, effects, object_of, written
+from missionplan.studies.schema_sections import Schema, effects, object_of, shared, written
 from missionplan.studies.sweep_transition import TransitionSweep
 from missionplan.studies.tide.result import TideResult
 
@@ -210,7 +210,7 @@ def schema(kind: Kind) -> dict[str, object]:
         message = f"given {shown(kind)}, expected one of {', '.join(KINDS)}"
         raise InputError([Problem(message, key="kind", hint=did_you_mean(str(kind), KINDS))])
     head: Schema = {"$schema": _DRAFT, "title": f"missionplan {kind} file", "version": VERSIONS[kind]}
-    return {**head, **_WRITTEN[kind]()}
+    return shared({**head, **_WRITTEN[kind]()})
 
 
 def _of_model(model: type[BaseModel]) -> Schema:
@@ -218,25 +218,31 @@ def _of_model(model: type[BaseModel]) -> Schema:
     vehicle = top
     if model is Mission:
         vehicle = definitions["Vehicle"]
-        file: Schema = {"type": "string", "description": "the vehicle's file, relative to this one"}
-        top["properties"]["vehicle"] = {"anyOf": [file, top["properties"]["vehicle"]]}
+        _or_text(top, "vehicle", "the vehicle's file, relative to this one")
         listed, effect = effects()
         top["properties"]["effects"] |= listed
         definitions |= effect
-    name: Schema = {"type": "string", "description": "a class of vehicle, or a file"}
-    vehicle["properties"]["reliability"] = {"anyOf": [name, vehicle["properties"]["reliability"]]}
+    _or_text(vehicle, "reliability", "a class of vehicle, or a file")
     return {**top, "definitions": definitions}
+
+
+def _or_text(section: dict[str, Any], key: str, words: str) -> None:
+    """Let a key take text too, which is described by these words."""
+    value = section["properties"][key]
+    text: Schema = {"type": "string", "description": words}
+    section["properties"][key] = {"anyOf": [text, value], "description": value["description"]}
 
 
 def _of_datasets() -> Schema:
     settings, definitions = written(*(form.settings for form in _FORMATS))
     kinds: list[Schema] = []
+    kind, every = settings[0]["properties"]["kind"], [form.kind for form in _FORMATS]
     for form, section in zip(_FORMATS, settings, strict=True):
-        section["properties"]["kind"] = {"const": form.kind}
+        section["properties"]["kind"] = {**kind, "const": form.kind, "examples": [form.kind]}
         kinds.append({"if": {"properties": {"kind": {"const": form.kind}}}, "then": section})
     return {
         "type": "object",
-        "properties": {"kind": {"enum": [form.kind for form in _FORMATS]}},
+        "properties": {"kind": {**kind, "enum": every, "examples": every[:1]}},
         "required": ["kind"],
         "allOf": kinds,
         "definitions": definitions,

@@ -24,13 +24,15 @@ from missionplan.moments import EXAMPLE
 Schema = dict[str, Any]
 
 NUMBER_WITH_UNIT = r"^\s*[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?(\s+\S|[^0-9\s.]).*$"
-_FORMS = (("mean", "sd"), ("mean", "sd", "low", "high"), ("low", "high"), ("median", "factor"), ("choices",))
+_FORMS = (("mean", "sd", "low", "high"), ("low", "high"), ("median", "factor"), ("choices",))
 _WRITTEN_IN: Mapping[str, tuple[tuple[float, str], ...]] = {
     "s": ((86_400.0, "d"), (3600.0, "h"), (120.0, "min")),
     "rad": ((math.radians(1.0), "deg"),),
     "m": ((5000.0, "km"),),
 }
 """Units in which examples are written, from which size on."""
+_NAME = "$name"
+"""Key by which a part of a schema says how `shared` calls it."""
 _OPTIONAL: Mapping[tuple[str, ...], tuple[str, ...]] = {("mean", "sd", "low", "high"): ("mean", "sd")}
 """Keys that a form needs, where it can do without the others."""
 
@@ -50,8 +52,31 @@ def quantity(parser: QuantityParser) -> Schema:
     value = _value(parser)
     if parser.fixed:
         return value
-    several = [value, *(_distribution(value, form) for form in _FORMS)]
-    return {"anyOf": several, "description": value["description"], "examples": value["examples"]}
+    name = re.sub(r"[^\w.-]+", "_", f"{value['examples'][0]}{_range(parser)}".replace("/", "_per_"))
+    words = {"description": value.pop("description"), "examples": value["examples"]}  # an editor shows the innermost
+    forms = {_NAME: f"distribution_like_{name}", "anyOf": [_distribution(value, form) for form in _FORMS]}
+    plain = {key: item for key, item in value.items() if key != "examples"}
+    return {"anyOf": [{_NAME: f"like_{name}", **plain}, forms], **words}
+
+
+def shared(schema: Schema) -> Schema:
+    """Return a file's schema with what quantities of one kind have in common among its definitions, once."""
+    definitions: dict[str, Schema] = {}
+
+    def referring(part: Any) -> Any:
+        if isinstance(part, list):
+            return [referring(item) for item in part]
+        if not isinstance(part, dict):
+            return part
+        written = {key: referring(value) for key, value in part.items() if key != _NAME}
+        if _NAME not in part:
+            return written
+        definitions[part[_NAME]] = written
+        return {"$ref": f"#/definitions/{part[_NAME]}"}
+
+    whole: Schema = referring(schema)
+    whole["definitions"] |= definitions
+    return whole
 
 
 def parameter(declaration: Parameter) -> Schema:
@@ -85,7 +110,8 @@ def _written(value: float, unit: str, digits: int = 1) -> str | float:
 
 
 def _value(parser: QuantityParser) -> Schema:
-    value = 1.5 if parser.low < 1.5 < parser.high else 0.5 * (parser.low + parser.high)
+    inside = [value for value in (1.5, -1.5) if parser.low < value < parser.high]
+    value = inside[0] if inside else 0.5 * (parser.low + parser.high)
     examples = [
         f"60 06.0 {parser.signs[0]}" if isinstance(parser, CoordinateParser) else _written(value, parser.unit, 2)
     ]
@@ -277,11 +303,17 @@ class _Writer(GenerateJsonSchema):
         return {"type": "array", "items": items, "minItems": len(items), "maxItems": len(items)}
 
 
+def _choices(schema: Schema) -> list[Schema]:
+    """Choices of a union inside another; one that is shared stays whole."""
+    return schema["anyOf"] if "anyOf" in schema and _NAME not in schema else [schema]
+
+
 def _described(info: FieldInfo, value: Schema) -> Schema:
     """Return the schema of a key: of its values, with its meaning, default and an example."""
-    if "$ref" in value:
-        return value
-    schema = dict(value)
+    # beside a reference nothing counts
+    schema: Schema = {"type": "object", "allOf": [value]} if "$ref" in value else dict(value)
+    if "anyOf" in schema:
+        schema["anyOf"] = [part for choice in schema["anyOf"] for part in _choices(choice)]
     words = [text for text in (meaning_of(info), schema.get("description")) if text]
     if words:
         schema["description"] = ": ".join(map(str, words))

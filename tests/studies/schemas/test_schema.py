@@ -15,7 +15,7 @@ import missionplan
 from missionplan.effects import CATALOGUE
 from missionplan.errors import InputError
 from missionplan.mission import Mission
-from missionplan.studies.schema import KINDS, schema
+from missionplan.studies.schema import KINDS, READ, schema
 
 MISSIONS = Path(__file__).parents[3] / "missions"
 VALIDATORS = {kind: jsonschema.Draft7Validator(missionplan.schema(kind)) for kind in ("mission", "vehicle", "dataset")}
@@ -70,6 +70,18 @@ def _starter(tmp_path: Path) -> dict[str, object]:
         (("phases", 1, "moor", "release_time"), {"mean": "1 s", "sdd": "1 s"}),
         (("navigation", "drift_compensation"), "means"),
         (("monte_carlo", "trials"), "many"),
+        (("phases", 1, "moor", "release_time"), {"mean": "1 s"}),
+        (("phases", 1, "moor", "release_time"), {"low": "1 s"}),
+        (("phases", 1, "moor", "release_time"), {"mean": "1 s", "factor": 2}),
+        (("phases", 1, "moor", "release_time"), {"median": "1 s", "factor": 0.5}),
+        (("phases", 1, "moor", "release_time"), {"choices": []}),
+        (("phases", 1, "moor", "release_time"), {"choices": [5, 6]}),
+        (("phases", 1, "moor", "line_lenght"), "5 m"),
+        (("phases", 1, "moor", "radius"), "ten"),
+        (("site", "depth"), ["30 m"]),
+        (("site", "origin", "longitud"), "3 deg"),
+        (("site", "water", "salinity"), -20),
+        (("site", "water", "salinity"), {"choices": [-20]}),
         (("effects",), [{"compas-bias": {"angle": "2 deg"}}]),
         (("effects",), [{"compass-bias": {"angel": "2 deg"}}]),
     ],
@@ -97,6 +109,11 @@ def test_every_parameter_of_the_catalogue_is_described() -> None:
     for name, info in CATALOGUE.items():
         dated = {"epoch"} if info.frequency_of is not None else set()
         assert set(cast(Mapping[str, object], entries[name]["properties"])) == set(info.parameters) | dated
+
+
+def test_what_quantities_of_one_kind_share_stands_once_in_strict_json() -> None:
+    text = json.dumps(schema("mission"), allow_nan=False)
+    assert text.count('"pattern"') < 500  # 2500 where each key has its own
 
 
 def test_another_kind_is_refused() -> None:
@@ -137,16 +154,22 @@ def test_a_key_states_its_meaning_and_its_default() -> None:
 
 def _is_shown(written: dict) -> bool:
     """Whether an editor can offer a value: an example, a choice, or the keys of a section."""
-    inner = [*written.get("anyOf", ()), *([written["items"]] if isinstance(written.get("items"), dict) else [])]
+    inner = [
+        *written.get("anyOf", ()),
+        *written.get("allOf", ()),
+        *([written["items"]] if isinstance(written.get("items"), dict) else []),
+    ]
     return any(key in written for key in ("examples", "enum", "$ref", "properties")) or any(map(_is_shown, inner))
 
 
-@pytest.mark.parametrize("kind", ["mission", "vehicle"])
-def test_every_key_has_an_example_that_its_own_schema_takes(kind: str) -> None:
+@pytest.mark.parametrize("kind", READ)
+def test_every_key_has_a_sentence_and_an_example_that_its_own_schema_takes(kind: str) -> None:
     whole = schema(kind)
     sections = {"": whole, **whole["definitions"]}
+    sections |= {each["if"]["properties"]["kind"]["const"]: each["then"] for each in whole.get("allOf", ())}
     keys = {f"{name}.{key}": each for name, own in sections.items() for key, each in own.get("properties", {}).items()}
     assert [key for key, each in keys.items() if not _is_shown(each)] == []
+    assert [key for key, each in keys.items() if not each.get("description")] == []
     refused = {
         key: example
         for key, each in keys.items()
@@ -167,7 +190,8 @@ def _inner_keys(written: object) -> Iterator[tuple[str, Mapping[str, object]]]:
 
 def test_every_key_of_a_distribution_and_of_an_explanation_has_its_sentence_and_an_example() -> None:
     sections = schema("mission")
-    speed = sections["definitions"]["TransitPhase"]["properties"]["speed"]
+    _, of_speed = sections["definitions"]["TransitPhase"]["properties"]["speed"]["anyOf"]
+    speed = sections["definitions"][of_speed["$ref"].rpartition("/")[2]]
     keys = [*_inner_keys(speed), *_inner_keys(sections["properties"])]
     assert {"mean", "sd", "low", "high", "median", "factor", "choices", "one-of", "rho", "sha256"} <= dict(keys).keys()
     assert [key for key, each in keys if "description" not in each and "$ref" not in each] == []
