@@ -20,7 +20,7 @@ from scipy.special import chdtrc, logsumexp, ndtri
 from missionplan.arrays import Array
 from missionplan.diagnosis.inference.axes import Axis, differing, principal_components
 from missionplan.diagnosis.inference.block_covariance import BlockCovariance, InnerProducts
-from missionplan.diagnosis.inference.marginal_likelihood import SCALES, log_slab_factor
+from missionplan.diagnosis.inference.marginal_likelihood import SCALES, log_slab_factor, nested_log_factors
 from missionplan.results.learned.evidence import Causes, Discrepancy, DiscrepancyShape, OutlyingGroup, ResidualTest
 
 
@@ -208,38 +208,48 @@ class Responses:
         """What each response adds to the log evidence, shape (r,), a mean over noises, sizes and alternatives."""
         grams = np.stack([product.gram for product in products])
         plain = np.array([product.log_density for product in products])
-        plain -= logsumexp(plain)
+        plain -= np.logaddexp.reduce(plain)
 
-        def gain(part: NDArray[np.intp], *, is_one: bool = False) -> float:
-            inner, right = grams[:, part[:, None], part], grams[:, part, -1]
-            if is_one:
-                inner, right = inner.sum(axis=(1, 2))[:, None, None], right.sum(axis=1)[:, None]
-            return float(logsumexp(plain + log_slab_factor(inner, right)))
+        def over_noises(logs: Array) -> Array:
+            return np.asarray(np.logaddexp.reduce(plain.reshape(-1, *(1,) * (logs.ndim - 1)) + logs, axis=0))
 
+        parts = [part for alternatives in self._parts for part in alternatives]
+        sizes, gains = np.array([len(part) for part in parts]), np.empty(len(parts))
+        for size in np.unique(sizes).tolist():
+            alike = np.flatnonzero(sizes == size)
+            at = np.stack([parts[index] for index in alike])
+            inner, right = grams[:, at[:, :, None], at[:, None, :]], grams[:, at, -1]
+            gains[alike] = over_noises(log_slab_factor(inner, right))
+        by_axis = np.split(gains, np.cumsum([len(alternatives) for alternatives in self.columns])[:-1])
         return np.array(
             [
-                _in_some_runs(gain, alternatives) if axis.in_some_runs else _mean([gain(part) for part in alternatives])
-                for alternatives, axis in zip(self._parts, self.axes, strict=True)
+                _in_some_runs(alone, np.concatenate(alternatives), grams, over_noises)
+                if axis.in_some_runs
+                else _mean(alone)
+                for alone, alternatives, axis in zip(by_axis, self._parts, self.axes, strict=True)
             ]
         )
 
 
-def _mean(logs: Sequence[float]) -> float:
-    return float(logsumexp(logs)) - math.log(len(logs))
+def _mean(logs: Array, axis: int = 0) -> Array:
+    return np.asarray(np.logaddexp.reduce(logs, axis=axis) - math.log(logs.shape[axis]))
 
 
-def _in_some_runs(gain: Callable[..., float], runs: Sequence[NDArray[np.intp]]) -> float:
+def _in_some_runs(alone: Array, runs: NDArray[np.intp], grams: Array, over_noises: Callable[[Array], Array]) -> Array:
     """Gain of a response in one run or several: in each alone, and in the likeliest together, in each its own or one.
 
     All numbers of runs are as likely, and all choices of so many.
+
+    `alone`, shape (r,): gains of each run's column, `runs` its place in the inner products.
     """
-    alone = [gain(part) for part in runs]
-    order, total = np.argsort(alone)[::-1], len(runs)
-    together = []
-    for size in range(2, min(total, MOST_TOGETHER) + 1):
-        part = np.concatenate([runs[i] for i in order[:size]])
-        together.append(_mean([gain(part), gain(part, is_one=True)]) - math.log(math.comb(total, size)))
-    return float(logsumexp([_mean(alone), *together])) - math.log(total)
+    total, chosen = len(runs), runs[np.argsort(alone)[::-1][:MOST_TOGETHER]]
+    inner, right = grams[:, chosen[:, None], chosen], grams[:, chosen, -1]
+    apart = over_noises(log_slab_factor(inner, right, nested_log_factors))
+    sums = np.diagonal(np.cumsum(np.cumsum(inner, axis=1), axis=2), axis1=1, axis2=2)  # of the columns added up
+    one = over_noises(log_slab_factor(sums[..., None, None], np.cumsum(right, axis=1)[..., None]))
+    choices = np.log([math.comb(total, size) for size in range(1, len(chosen) + 1)])
+    together = _mean(np.stack([apart, one])) - choices
+    return np.asarray(np.logaddexp.reduce([_mean(alone), *together[1:]]) - math.log(total))
 
 
 THRESHOLD = 3.0

@@ -9,7 +9,7 @@ Shapes: two independent components of each of n errors, k coefficients.
 
 import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -271,15 +271,14 @@ class SetPriors:
         together = max(AT_ONCE // max(int(blocks[:, 1].sum()), len(base)), 1)
         noises = max(together // len(base), 1)
         densities = np.empty((len(grams), len(ranks), 1 + len(blocks)))
+        by_rank = np.argsort(ranks, kind="stable")
         for start in range(0, len(grams), noises):
             some = _Integrated.of(grams[start : start + noises], base, sizes)
-            for rank in np.unique(ranks).tolist():
-                alike = np.flatnonzero(ranks == rank)
-                count = math.ceil(len(alike) * len(some.products) * max(rank, 1) / together)
-                for sets in np.array_split(alike, min(count, len(alike))):
-                    logs = some.log_densities(self.mean[sets], rest[sets, :, :rank], scales[sets])
-                    densities[start : start + noises, sets[:, None], 1 + order] = logs[..., 1:]
-                    densities[start : start + noises, sets, 0] = logs[..., 0]
+            count = math.ceil(int(np.maximum(ranks, 1).sum()) * len(some.products) / together)
+            for sets in np.array_split(by_rank, min(count, len(by_rank))):
+                logs = some.log_densities(self.mean[sets], rest[sets, :, : ranks[sets[-1]]], scales[sets])
+                densities[start : start + noises, sets[:, None], 1 + order] = logs[..., 1:]
+                densities[start : start + noises, sets, 0] = logs[..., 0]
         return densities
 
     def posterior(self, grams: Sequence[GramMatrix]) -> tuple[Array, Array]:
@@ -299,13 +298,7 @@ def log_factor(inner: Array, right: Array) -> Array:
     """
     size = right.shape[-1]
     if size > FEW:
-        bordered = np.empty((*inner.shape[:-2], size + 1, size + 1))
-        bordered[..., :size, :size] = inner + np.eye(size)
-        bordered[..., size, :size] = right
-        bordered[..., size, size] = 1.0 + np.sum(right**2, axis=-1)  # more than rightᵀ (inner + 1)⁻¹ right
-        factor = np.linalg.cholesky(bordered)
-        half_determinant = np.log(np.diagonal(factor, axis1=-2, axis2=-1)[..., :size]).sum(axis=-1)
-        return np.asarray(0.5 * np.sum(factor[..., size, :size] ** 2, axis=-1) - half_determinant)
+        return np.asarray(nested_log_factors(inner, right)[..., -1])
     rows = [[inner[..., i, j] for j in range(i + 1)] for i in range(size)]
     last: list[Array] = [right[..., i] for i in range(size)]
     logs: Array | float = 0.0
@@ -319,9 +312,21 @@ def log_factor(inner: Array, right: Array) -> Array:
     return np.asarray(logs)
 
 
-def log_slab_factor(inner: Array, right: Array) -> Array:
+def nested_log_factors(inner: Array, right: Array) -> Array:
+    """The same for the first coefficient, for the first two, and so on, shape (…, q): of one Cholesky factor."""
+    size = right.shape[-1]
+    bordered = np.empty((*inner.shape[:-2], size + 1, size + 1))
+    bordered[..., :size, :size] = inner + np.eye(size)
+    bordered[..., size, :size] = right
+    bordered[..., size, size] = 1.0 + np.sum(right**2, axis=-1)  # more than rightᵀ (inner + 1)⁻¹ right
+    factor = np.linalg.cholesky(bordered)
+    pivots = np.diagonal(factor, axis1=-2, axis2=-1)[..., :size]
+    return np.asarray(np.cumsum(0.5 * factor[..., size, :size] ** 2 - np.log(pivots), axis=-1))
+
+
+def log_slab_factor(inner: Array, right: Array, factor: Callable[[Array, Array], Array] = log_factor) -> Array:
     """The same for coefficients with a slab of unit size, a mean over its scales."""
     scales = np.array(SCALES)
-    logs = log_factor(np.multiply.outer(scales**2, inner), np.multiply.outer(scales, right))
+    logs = factor(np.multiply.outer(scales**2, inner), np.multiply.outer(scales, right))
     shares = np.log(SCALE_PRIOR).reshape(-1, *(1,) * (logs.ndim - 1))
     return np.asarray(np.logaddexp.reduce(logs + shares, axis=0))
