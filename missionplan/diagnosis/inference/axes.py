@@ -98,13 +98,14 @@ def _smooth(places: bytes, shape: tuple[int, int], length: float) -> Array:
     return np.ascontiguousarray(rows[:rank].T)
 
 
-def principal_components(columns: Array, most: int, least: float) -> Array:
+def principal_components(columns: Array, most: int, least: float, white: Array | None = None) -> Array:
     """Principal components of columns, shape (N, c), as columns: (N, q).
 
     `columns`, shape (N, c). `most`: so many at most. `least`: share of the first one's variance that each has at least,
-    well above rounding.
+    well above rounding. `white`: the columns in the metric in which they are taken; default as they are.
     """
-    values, vectors = np.linalg.eigh(columns.T @ columns)
+    measured = columns if white is None else white
+    values, vectors = np.linalg.eigh(measured.T @ measured)
     kept = np.flatnonzero(values > least * values[-1])[::-1][:most]
     return np.asarray(columns @ vectors[:, kept])
 

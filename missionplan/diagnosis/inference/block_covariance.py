@@ -97,13 +97,6 @@ class BlockCovariance:
             white[rows] = lapack.dtrtrs(factor.T, values[rows], trans=1)[0]  # as it lies in memory, an upper triangle
         return white
 
-    def coloured(self, values: Array) -> Array:
-        """Return L times values, shape (N, c)."""
-        products = np.empty(values.shape)
-        for rows, factor in zip(self.rows, self._factors, strict=True):
-            products[rows] = factor @ values[rows]
-        return products
-
     @cached_property
     def _white_root(self) -> Array:
         """V, shape (N, m)."""
@@ -159,35 +152,8 @@ class BlockCovariance:
         The prediction-error decomposition (Harvey 1989, *Forecasting, Structural Time Series Models and the Kalman
         Filter*, section 3.4): white noise if all is well.
         """
-        return np.concatenate([white for _, _, white in self._forward(values)])
-
-    def errors_ahead(self, values: Array, together: int) -> Array:
-        """Return errors of predicting data, so many of a group in turn together, from the groups before, shape (N,)."""
-        scale, errors = np.empty(len(values)), np.empty(len(values))
-        for rows, factor in zip(self.rows, self._factors, strict=True):
-            scale[rows] = np.diag(factor)
-        for first, factor, white in self._forward(values):
-            for begin in range(0, len(white), together):
-                group = slice(begin, begin + together)
-                errors[first + begin : first + begin + together] = factor[group, group] @ white[group]
-        return scale * errors
-
-    def _forward(self, values: Array) -> Iterator[tuple[int, Array, Array]]:
-        """First place of data in turn, factor of their covariance beside L, and their innovations.
-
-        The coefficients are estimated from the data before by QR decompositions, a square-root information filter
-        (Bierman 1977, *Factorization Methods for Discrete Sequential Estimation*).
-        """
-        both = np.concatenate([self._white_root, self.in_blocks(values[:, None])], axis=1)
-        count = self.root.shape[1]
-        information = np.eye(count, count + 1)
-        for first in range(0, len(values), AT_ONCE):
-            here = both[first : first + AT_ONCE]
-            gain = solve_triangular(information[:, :-1], here[:, :-1].T, trans=1, check_finite=False)
-            factor = np.asarray(np.linalg.cholesky(gain.T @ gain + np.eye(len(here))), dtype=float)
-            error = here[:, -1] - gain.T @ information[:, -1]
-            yield first, factor, solve_triangular(factor, error, lower=True, check_finite=False)
-            information = np.asarray(np.linalg.qr(np.concatenate([information, here]), mode="r")[:count], dtype=float)
+        ahead = _forward(self._white_root, self.in_blocks(values[:, None])[:, 0])
+        return np.concatenate([innovations for _, innovations in ahead])
 
     def left_out(self, values: Array, groups: Iterable[NDArray[np.int_]]) -> Iterator[Normal]:
         """Yield the error of predicting each group of data from all others, and its covariance.
@@ -231,3 +197,33 @@ class BlockCovariance:
         for rows, inverse in zip(self.rows, self._inverses, strict=True):
             product[rows] = inverse @ self.root[rows]
         return np.asarray(solve_triangular(self._triangle, product.T, trans=1, check_finite=False).T)
+
+
+def errors_ahead(white_root: Array, white: Array, together: int) -> Array:
+    """Return errors of predicting data, so many of a group in turn together, from the groups before, shape (N,).
+
+    `white_root`, shape (N, m), `white`, shape (N,): the coefficients' root and the data, whitened by blocks of which
+    none has two data of a group. Errors are over the standard deviations of what blocks alone leave open.
+    """
+    errors = []
+    for factor, innovations in _forward(white_root, white):
+        groups = (slice(begin, begin + together) for begin in range(0, len(innovations), together))
+        errors += [factor[group, group] @ innovations[group] for group in groups]
+    return np.concatenate(errors)
+
+
+def _forward(white_root: Array, white: Array) -> Iterator[tuple[Array, Array]]:
+    """Factor of the covariance of data in turn, whitened by their blocks, and their innovations.
+
+    The coefficients are estimated from the data before by QR decompositions, a square-root information filter (Bierman
+    1977, *Factorization Methods for Discrete Sequential Estimation*).
+    """
+    both, count = np.concatenate([white_root, white[:, None]], axis=1), white_root.shape[1]
+    information = np.eye(count, count + 1)
+    for first in range(0, len(white), AT_ONCE):
+        here = both[first : first + AT_ONCE]
+        gain = solve_triangular(information[:, :-1], here[:, :-1].T, trans=1, check_finite=False)
+        factor = np.asarray(np.linalg.cholesky(gain.T @ gain + np.eye(len(here))), dtype=float)
+        error = here[:, -1] - gain.T @ information[:, -1]
+        yield factor, solve_triangular(factor, error, lower=True, check_finite=False)
+        information = np.asarray(np.linalg.qr(np.concatenate([information, here]), mode="r")[:count], dtype=float)

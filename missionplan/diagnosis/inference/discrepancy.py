@@ -188,8 +188,8 @@ class Responses:
             most = MOST_COLUMNS if axis.functions == 1 else max(MOST_OF_RUNS, axis.functions)
             smooth = []
             for length in LENGTHS:
-                white = covariance.in_blocks(axis.smooth_columns(length))
-                smooth.append(covariance.coloured(principal_components(white, most, LEAST_SHARE)))
+                columns = axis.smooth_columns(length)
+                smooth.append(principal_components(columns, most, LEAST_SHARE, covariance.in_blocks(columns)))
             by_axis.append(smooth)
         return cls(axes, [[axis.size * part for part in parts] for axis, parts in zip(axes, by_axis, strict=True)])
 

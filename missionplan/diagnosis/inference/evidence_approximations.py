@@ -75,12 +75,17 @@ def laplace(
             cache[key] = _negative(log_posterior, at)
         return cache[key]
 
+    def gradient(at: Array) -> Array:
+        here, ahead = negative(at), at + SEARCH_STEP * np.eye(len(at))
+        return np.array([(negative(moved) - here) / (moved[i] - at[i]) for i, moved in enumerate(ahead)])
+
     best = min(starts, key=negative)
     optimum = scipy.optimize.minimize(
         negative,
         best,
         method="BFGS",
-        options={"gtol": GRADIENT, "eps": SEARCH_STEP, "maxiter": STEPS, "hess_inv0": spread},
+        jac=gradient,
+        options={"gtol": GRADIENT, "maxiter": STEPS, "hess_inv0": spread},
     )
     mode = optimum.x if optimum.fun <= negative(best) else best
     if not integrate:

@@ -13,7 +13,7 @@ from scipy.special import logsumexp
 from missionplan.arrays import Array
 from missionplan.datasets.records import TransitData
 from missionplan.diagnosis.inference.axes import Axis
-from missionplan.diagnosis.inference.block_covariance import BlockCovariance
+from missionplan.diagnosis.inference.block_covariance import BlockCovariance, errors_ahead
 from missionplan.diagnosis.inference.discrepancy import Residuals
 from missionplan.diagnosis.inference.marginal_likelihood import QUANTILE_95, Normal
 from missionplan.diagnosis.inference.model import CauseFit, FailedFit, FitRequest, HeldOutScore
@@ -224,9 +224,13 @@ class TransitModel(TransitFitting):
 
     def one_step_errors(self, fit: CauseFit) -> Array:
         """Error of each leg's prediction from the legs before it, on the principal axes, shape (2, n) [m/s]."""
-        linear = fit.state.linear
-        errors = self.error_covariance(fit, linear).errors_ahead(leg_by_leg(linear.y), 2)
-        return errors.reshape(-1, 2).T
+        linear, values, legs = fit.state.linear, fit.state.values, self._all_legs
+        noise = self.noise_components(values)
+        prediction = legs.prediction(noise.independent(legs.under_way), noise.fix_sd, noise.process)
+        joined = linear.joined * np.append(linear.prior_sd(values), 1.0)
+        sd = np.sqrt(prediction.variance)
+        white = leg_by_leg(prediction.whitened(joined).ahead / sd[:, :, None])
+        return sd * errors_ahead(white[:, :-1], white[:, -1], 2).reshape(-1, 2).T
 
     def blocks(self) -> list[NDArray[np.int_]]:
         """Blocks of consecutive legs to hold out: neighbours' errors are correlated (Roberts et al. 2017)."""

@@ -64,7 +64,7 @@ class LegInference:
     """
 
     def __init__(self, model: TransitFitting, terms: Sequence[LegTerm], jobs: int = 1) -> None:
-        self.model, self.terms, self._jobs = model, tuple(terms), jobs
+        self.model, self._jobs = model, jobs
         self.always: LegTerm | None = None
         infos = [CATALOGUE[name] for name in model.candidates]
         self.in_mean = tuple(info.id for info in infos if info.part == "mean")
@@ -76,8 +76,15 @@ class LegInference:
         self.sets = tuple(MeanSet(causes) for causes in subsets)
         self._water = np.broadcast_to(model.site_current, (2, model.data.n))
         self._k = len(model.coordinates)
-        self._known: dict[tuple[MeanSet, int], tuple[Array, Array]] = {}
         self._groups: dict[Causes, LinearisedGroup] = {}
+        self._take(terms)
+
+    def _take(self, terms: Sequence[LegTerm]) -> None:
+        """Take terms in the place of those so far: what is computed of them is forgotten."""
+        self.terms = tuple(terms)
+        self._sizes = np.array([term.columns.shape[2] for term in terms], dtype=int)
+        self._known: dict[tuple[MeanSet, int], tuple[Array, Array]] = {}
+        self._priors: dict[tuple[tuple[MeanSet, ...], tuple[int, ...]], SetPriors] = {}
         self._joined: dict[tuple[tuple[Causes, ...], tuple[int, ...]], JointColumns] = {}
 
     def beside(self, number: int, sets: Sequence[Causes]) -> "LegInference":
@@ -100,9 +107,7 @@ class LegInference:
         mean = self._posterior_mean(law, levels[int(level)], best)
         terms = [term for term in (*self.terms, *refined(self.model, likeliest)) if term.is_alike(likeliest)]
         terms = [at_size(self.model, term, best.causes, mean[: self._k], mean[self.core :]) for term in terms]
-        self.terms = (*(term for term in self.terms if not term.is_alike(likeliest)), *terms)
-        self._known.clear()
-        self._joined.clear()
+        self._take([*(term for term in self.terms if not term.is_alike(likeliest)), *terms])
         plain = scores[:, :, 0].max(axis=0)
         if plain.max() > scores[level, row, column + 1]:
             return self.sets[int(np.argmax(plain))]
@@ -167,10 +172,13 @@ class LegInference:
             self._known[one, scale] = mean, factor
         return self._known[one, scale]
 
-    def priors(self, sets: Iterable[MeanSet], scales: Sequence[int] = (1,)) -> SetPriors:
+    def priors(self, sets: Iterable[MeanSet], scales: Iterable[int] = (1,)) -> SetPriors:
         """Priors of sets of one term, of each at some scales of the slabs."""
-        means, factors = zip(*(self.prior(one, scale) for one in sets for scale in scales), strict=True)
-        return SetPriors(np.stack(means), np.stack(factors))
+        key = tuple(sets), tuple(scales)
+        if key not in self._priors:
+            means, factors = zip(*(self.prior(*pair) for pair in itertools.product(*key)), strict=True)
+            self._priors[key] = SetPriors(np.stack(means), np.stack(factors))
+        return self._priors[key]
 
     # likelihood
 
@@ -268,7 +276,7 @@ class LegInference:
 
     def blocks(self, terms: Sequence[int]) -> NDArray[np.int_]:
         """Places of the columns of some terms among theirs, and their numbers, shape (t, 2)."""
-        return blocks_by_size(np.array([self.terms[term - 1].columns.shape[2] for term in terms], dtype=int))
+        return blocks_by_size(self._sizes[np.array(terms, dtype=int) - 1])
 
     # search
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from missionplan.diagnosis.inference.block_covariance import BlockCovariance
+from missionplan.diagnosis.inference.block_covariance import BlockCovariance, errors_ahead
 
 N = 150
 RNG = np.random.default_rng(5)
@@ -41,7 +41,10 @@ def test_predictions_from_what_came_before(covariance):
     white = np.linalg.solve(factor, Y)
     np.testing.assert_allclose(covariance.innovations(Y), white, atol=1e-9)
     pairs = [factor[k : k + 2, k : k + 2] @ white[k : k + 2] for k in range(0, N, 2)]
-    np.testing.assert_allclose(covariance.errors_ahead(Y, 2), np.concatenate(pairs), atol=1e-9)
+    by_blocks = np.linalg.cholesky(BlockCovariance(covariance.rows, covariance.blocks, np.zeros((N, 0))).dense())
+    white_root, sd = np.linalg.solve(by_blocks, covariance.root), np.diag(by_blocks)
+    errors = errors_ahead(white_root, np.linalg.solve(by_blocks, Y), 2)
+    np.testing.assert_allclose(sd * errors, np.concatenate(pairs), atol=1e-9)
 
 
 def test_a_group_left_out_has_the_conditional_law(covariance):
