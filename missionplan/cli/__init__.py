@@ -6,7 +6,6 @@
 
 import atexit
 import gc
-import json
 import signal
 import sys
 from collections.abc import Callable, Mapping, Sequence
@@ -17,7 +16,7 @@ from typing import Annotated
 import typer
 
 from missionplan.cli import exchange, files, measurements, options, planning
-from missionplan.cli.options import answering, note, prepare_streams
+from missionplan.cli.options import answering, note, prepare_streams, print_json
 from missionplan.errors import OUT_OF_FILES, MissionplanError, Problem, out_of_files
 
 INTERRUPTED = 130
@@ -87,10 +86,9 @@ def main() -> None:
         with answering():
             status = app(args=planning.with_default_event(sys.argv[1:]), standalone_mode=False)
     except MissionplanError as error:
-        if "--json" in sys.argv:
-            _print_errors(_as_options(error))
-        words = "\n".join(map(str, _as_options(error)))
-        note(f"{'Error' if error.exit_status == 1 else 'Cannot start'}:\n{words}")
+        problems = _as_options(error)
+        words = "\n".join(map(str, problems))
+        _fail(f"{'Error' if error.exit_status == 1 else 'Cannot start'}:\n{words}", problems)
         status = error.exit_status
     except KeyboardInterrupt:
         status = INTERRUPTED
@@ -99,7 +97,7 @@ def main() -> None:
     if status == INTERRUPTED:  # typer returns it too; workers would finish their work first
         if pool := sys.modules.get("missionplan.montecarlo.pool"):
             pool.shut_down_pool()
-        note("Interrupted.")
+        _fail("Interrupted.", [Problem("interrupted")])
     sys.exit(status if isinstance(status, int) else 0)
 
 
@@ -124,19 +122,11 @@ def _as_options(error: MissionplanError) -> list[Problem]:
     return problems or [Problem(str(error))]
 
 
-def _print_errors(problems: Sequence[Problem]) -> None:
-    """Write what is wrong as JSON on standard output, for scripts."""
-    errors = [
-        {
-            "file": problem.file,
-            "line": problem.line,
-            "key": problem.key,
-            "message": problem.message,
-            "expected": problem.message.partition("expected ")[2] or problem.hint,
-        }
-        for problem in problems
-    ]
-    typer.echo(json.dumps({"errors": errors}, ensure_ascii=True, indent=1))
+def _fail(words: str, problems: Sequence[Problem]) -> None:
+    """Say what is wrong on standard error, and to scripts that ask for JSON on standard output."""
+    if "--json" in sys.argv:
+        print_json(problems)
+    note(words)
 
 
 _interrupts: list[int] = []
@@ -156,11 +146,11 @@ def _usage_error(error: Exception) -> int:
     if type(error).__name__ == "Abort":
         return INTERRUPTED
     if out_of_files(error):
-        note(f"Error:\n{OUT_OF_FILES}")
+        _fail(f"Error:\n{OUT_OF_FILES}", [Problem(OUT_OF_FILES)])
         return 1
     if hasattr(error, "show") and hasattr(error, "exit_code"):
         if "--json" in sys.argv and hasattr(error, "format_message"):
-            _print_errors([Problem(error.format_message())])
+            print_json([Problem(error.format_message())])
         error.show()
         return int(error.exit_code)
     raise error

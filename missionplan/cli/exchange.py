@@ -10,7 +10,7 @@ import typer
 import missionplan
 from missionplan.cli import options as o
 from missionplan.cli.measurements import NextTrial, diagnosed
-from missionplan.cli.options import remark
+from missionplan.cli.options import print_json, remark
 from missionplan.cli.running import Progress, deliver, progress_bar, report_folder
 from missionplan.errors import InputError, Problem, shown
 from missionplan.store.folder import exists, is_file
@@ -234,6 +234,7 @@ def export(
     seed: o.Seed = None,
     force: _WriteOver = False,
     allow_outside: o.AllowOutside = False,
+    as_json: o.JsonAnswer = False,
     quiet: o.Quiet = False,
 ) -> None:
     """Write the plan as a vehicle takes it: waypoints, depth, speed, time-outs, surfacings, release of the anchor."""
@@ -242,7 +243,9 @@ def export(
 
     loaded = missionplan.load(mission, allow_outside=allow_outside)
     written = missionplan.export(loaded, to, out=out, seed=seed, force=force)
-    if quiet:
+    if as_json:
+        print_json(files=written.files, notes=written.notes, lost=written.lost)
+    if as_json or quiet:
         return
     for path in written.files:
         typer.echo(str(path))

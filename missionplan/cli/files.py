@@ -11,7 +11,7 @@ import typer
 
 import missionplan
 from missionplan.cli import options as o
-from missionplan.cli.options import note
+from missionplan.cli.options import note, print_json
 from missionplan.cli.running import deliver, progress_bar, report_folder
 from missionplan.errors import InputError, Problem, did_you_mean, shown
 
@@ -25,6 +25,7 @@ def init(
     loop: Annotated[
         bool, typer.Option("--loop", help="Write the files of the second round of docs/loop.md instead.")
     ] = False,
+    as_json: o.JsonAnswer = False,
     quiet: o.Quiet = False,
 ) -> None:
     """Write a commented starter mission, vehicle and data set; no file is overwritten."""
@@ -33,7 +34,9 @@ def init(
     if data is not None and loop:
         raise InputError([Problem("given with --data, expected one of them", key="--loop")])
     written = init(folder, loop=loop) if data is None else init_data(data, folder)
-    if not quiet:
+    if as_json:
+        print_json(files=written)
+    elif not quiet:
         for path in written:
             typer.echo(str(path))
 
@@ -41,14 +44,17 @@ def init(
 _EffectId = Annotated[str, typer.Argument(metavar="[ID]", help="Effect to show; default all.")]
 
 
-def effects(effect: _EffectId = "") -> None:
+def effects(effect: _EffectId = "", as_json: o.JsonAnswer = False) -> None:
     """List the effects that missions and diagnoses know, a line each; with an ID, all about one of them."""
     from missionplan.effects import CATALOGUE
     from missionplan.report.effect_catalogue import catalogue_text, effect_text
 
     if effect and effect not in CATALOGUE:
         raise InputError([Problem(f"no effect of the name {shown(effect)}", hint=did_you_mean(effect, CATALOGUE))])
-    typer.echo(effect_text(CATALOGUE[effect]) if effect else catalogue_text())
+    if as_json:
+        print_json(effects=[CATALOGUE[effect]] if effect else list(CATALOGUE.values()))
+    else:
+        typer.echo(effect_text(CATALOGUE[effect]) if effect else catalogue_text())
 
 
 _Compared = Annotated[
@@ -89,12 +95,12 @@ _Files = Annotated[list[Path], typer.Argument(metavar="FILE...", help="Mission f
 
 
 def validate(
-    files: _Files, allow_outside: o.AllowOutside = False, as_json: o.Json = False, quiet: o.Quiet = False
+    files: _Files, allow_outside: o.AllowOutside = False, as_json: o.JsonAnswer = False, quiet: o.Quiet = False
 ) -> None:
     """Check missions and data sets without running anything, and list which commands each is ready for."""
     checks = missionplan.validate(files, allow_outside=allow_outside)
     if as_json and not any(check.problems for check in checks):
-        typer.echo(json.dumps({"errors": [], "files": [_valid(check) for check in checks]}, indent=1))
+        print_json(files=[_valid(check) for check in checks])
     elif not quiet and not as_json:
         for check in (check for check in checks if not check.problems):
             typer.echo(f"{check.path}: {check.summary}")
@@ -130,12 +136,15 @@ _Number = Annotated[int | None, typer.Argument(metavar="[NUMBER]", help="Report 
 _Root = Annotated[Path, typer.Option(metavar="DIR", help="Folder of the reports.")]
 
 
-def reports(number: _Number = None, root: _Root = Path("reports")) -> None:
+def reports(number: _Number = None, root: _Root = Path("reports"), as_json: o.JsonAnswer = False) -> None:
     """List the reports made so far, the newest first; with a NUMBER, open that one in the browser.
 
     missionplan reports 1 opens the newest.
     """
     entries = missionplan.reports(root)
+    if number is None and as_json:
+        print_json(reports=entries)
+        return
     if number is None:
         for place, entry in enumerate(entries, start=1):
             when = f"{entry.created:%Y-%m-%d %H:%M}" if entry.created else "(no date)"
@@ -153,6 +162,9 @@ def reports(number: _Number = None, root: _Root = Path("reports")) -> None:
     if not 1 <= number <= len(entries):
         raise InputError([Problem(f"given {number}, expected 1 to {len(entries)}", key="NUMBER", file=str(root))])
     page = entries[number - 1].page
+    if as_json:
+        print_json(reports=[entries[number - 1]])
+        return
     typer.echo(str(page))
     if not webbrowser.open(page.resolve().as_uri()):
         note("No browser could be started: open that file in one.")
@@ -160,7 +172,6 @@ def reports(number: _Number = None, root: _Root = Path("reports")) -> None:
 
 _Report = Annotated[Path, typer.Argument(metavar="REPORT", help="Report folder.")]
 _All = Annotated[bool, typer.Option("--all", help="All blocks of simulate, and every number that follows from them.")]
-_Json = Annotated[bool, typer.Option("--json", help="Print the answer as JSON on standard output.")]
 
 
 def verify(
@@ -168,7 +179,7 @@ def verify(
     all_blocks: _All = False,
     jobs: o.Jobs = 0,
     allow_outside: o.AllowOutside = False,
-    as_json: _Json = False,
+    as_json: o.JsonAnswer = False,
     quiet: o.Quiet = False,
 ) -> None:
     """Compute some blocks of a report again, and say whether the same bits come out here, and if not, what differs.
@@ -193,16 +204,14 @@ def verify(
 _Kind = Annotated[str, typer.Argument(metavar="KIND", help="mission, vehicle, dataset, summary or plan.")]
 
 
-def schema(kind: _Kind) -> None:
+def schema(kind: _Kind, as_json: o.JsonAnswer = False) -> None:
     """Print the JSON schema of mission, vehicle or data set files, summary.json or plan.json, for editors and checks.
 
     missionplan schema mission > mission.json; then begin a mission with: # yaml-language-server: $schema=mission.json
     """
-    import json
-
     from missionplan.studies.schema import KINDS, schema
 
     if kind not in KINDS:
         hint = did_you_mean(kind, KINDS)
         raise InputError([Problem(f"given {shown(kind)}, expected {', '.join(KINDS)}", file="KIND", hint=hint)])
-    typer.echo(json.dumps(schema(kind), indent=2, ensure_ascii=False))
+    typer.echo(json.dumps(schema(kind), indent=None if as_json else 2, ensure_ascii=False))

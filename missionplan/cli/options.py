@@ -6,12 +6,15 @@ Standard output and error as they are found: of any encoding, full, or closed.
 import codecs
 import errno
 import inspect
+import json
+import math
 import os
 import shutil
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import asdict, dataclass, fields, is_dataclass
+from datetime import datetime
 from functools import wraps
 from io import TextIOWrapper
 from pathlib import Path
@@ -70,6 +73,8 @@ Resume = Annotated[bool, typer.Option("--resume", help="Go on with the finished 
 Json = Annotated[
     bool, typer.Option("--json", help="Print the summary as JSON on standard output, and nothing else there.")
 ]
+
+JsonAnswer = Annotated[bool, typer.Option("--json", help="Print the answer as JSON on standard output.")]
 
 
 @dataclass(frozen=True)
@@ -184,6 +189,38 @@ def remark(text: str) -> None:
     from missionplan.report.wording import wrapped
 
     note(wrapped(text, shutil.get_terminal_size().columns) if sys.stderr.isatty() else text)
+
+
+def print_json(problems: Sequence[Problem] = (), **answer: object) -> None:
+    """Write, for scripts, what a command has to say on standard output: what is wrong, or what its function returns.
+
+    `answer`: by the names that it has in Python.
+    """
+    errors = [
+        {
+            "file": problem.file,
+            "line": problem.line,
+            "key": problem.key,
+            "message": problem.message,
+            "expected": problem.message.partition("expected ")[2] or problem.hint,
+        }
+        for problem in problems
+    ]
+    typer.echo(json.dumps({"errors": errors, **answer}, default=_plain, indent=1))
+
+
+def _plain(value: object) -> object:
+    """Return a data class as those of its fields that are data, null for a number that is not finite; else text."""
+    if is_dataclass(value):
+        entries = {field.name: getattr(value, field.name) for field in fields(value)}
+        return {
+            name: None if isinstance(entry, float) and not math.isfinite(entry) else entry
+            for name, entry in entries.items()
+            if not callable(entry)
+        }
+    if isinstance(value, Mapping):
+        return dict(value)
+    return value.isoformat() if isinstance(value, datetime) else str(value)
 
 
 @contextmanager

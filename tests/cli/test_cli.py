@@ -1,5 +1,6 @@
 """The command line: messages, exit statuses, nothing overwritten."""
 
+import inspect
 import json
 import os
 import signal
@@ -7,12 +8,16 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
+from datetime import datetime
 from pathlib import Path
 from shutil import copytree
+from typing import Any, cast
 
 import pytest
 
+import missionplan
 from missionplan.cli import PANELS, app, main
+from missionplan.effects import CATALOGUE
 from missionplan.errors import RunError
 from missionplan.studies.leg_length import optimise_legs
 from missionplan.studies.leg_length.analytic_transit import PolicyFamily
@@ -515,6 +520,46 @@ def test_bad_input_is_json_for_scripts(
         assert (first["line"], first["key"], first["expected"]) == (2, "phaes", "did you mean phases?")
     assert run(monkeypatch, "simulate", str(bad), "--json", "--trials", "none") == 2
     assert "--trials" in json.loads(capsys.readouterr().out)["errors"][0]["message"]
+
+
+def test_commands_about_files_answer_as_json_by_the_names_of_python(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    def answer(*words: str) -> dict[str, Any]:
+        assert run(monkeypatch, *words, "--json") == 0
+        return cast(dict[str, Any], json.loads(capsys.readouterr().out, parse_constant=pytest.fail))
+
+    trial = str(tmp_path / "trial")
+    made = answer("init", trial)["files"]
+    assert sorted(made) == sorted(str(path) for path in (tmp_path / "trial").rglob("*") if path.is_file())
+    exported = answer("export", f"{trial}/mission.yaml", "--to", "moos", "--out", str(tmp_path / "plan.bhv"))
+    assert exported["files"] == [str(tmp_path / "plan.bhv")]
+    assert exported["notes"]
+    assert exported["lost"]
+    (effect,) = answer("effects", "compass-bias")["effects"]
+    assert (effect["id"], effect["parameters"]["angle"]["unit"]) == ("compass-bias", "rad")
+    assert [entry["id"] for entry in answer("effects")["effects"]] == list(CATALOGUE)
+    assert answer("schema", "mission") == missionplan.schema("mission")
+    assert run(monkeypatch, "effects", "compas-bias", "--json") == 2
+    assert json.loads(capsys.readouterr().out)["errors"][0]["expected"] == "did you mean compass-bias?"
+
+
+def test_reports_are_listed_as_json(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    missionplan.sweep_transition(MISSIONS / "autosub-transition.yaml").save(tmp_path / "sweep")
+    capsys.readouterr()
+    for words in (("reports",), ("reports", "1")):
+        assert run(monkeypatch, *words, "--root", str(tmp_path), "--json") == 0
+        (entry,) = json.loads(capsys.readouterr().out)["reports"]
+        (listed,) = missionplan.reports(tmp_path)
+        assert (entry["folder"], entry["command"]) == (str(listed.folder), "sweep-transition")
+        assert datetime.fromisoformat(entry["created"]) == listed.created
+
+
+def test_every_command_takes_json() -> None:
+    for command in app.registered_commands:
+        assert "as_json" in inspect.signature(command.callback).parameters, command.name
 
 
 def test_validate_as_json_says_what_files_are_good_for(
