@@ -34,7 +34,7 @@ _SECONDS = {
 _TEXTS = ("long_name", "comment", "description")
 """Attributes of times that people read."""
 _OTHER_ZONE = re.compile(
-    r"(?i:\b(?:UTC|GMT)\s*[+-]\s*0?[1-9]\d*|\blocal(?:[\s_-]+\w+){0,2}[\s_-]+time\b|^\W*local\W*$)"
+    r"(?i:\b(?:UTC|GMT)\s*[+-]\s*0?[1-9]\d*|\blocal(?:[\s_-]+\w+){0,2}[\s_-]+time\b|^\W*local\W*$|\btime[\W_]+local\b)"
     r"|\b(?:[ACEMP][DS]T|AK[DS]T|HA?ST|[CE]ES?T|MES?Z|BST|JST|AE[DS]T|NZ[DS]T)\b"
 )
 _PLAIN_UTC = re.compile(r"\b(?:UTC|GMT)\b(?!\s*[+-]\s*0?[1-9])", re.IGNORECASE)

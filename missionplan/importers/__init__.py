@@ -229,7 +229,8 @@ def _check_found(track: Track, parts: CutTrack) -> None:
     if not len(parts.dives):
         depth = f"greatest depth is {track.depth.values.max():.1f} m" if len(track.depth) else "logs hold no depth"
         message = f"no dive between {good} fixes; the {depth}"
-        raise InputError([Problem(message, hint="--dive-depth says how deep a dive goes")])
+        hint = "; ".join([*parts.notices, "--dive-depth says how deep a dive goes"])
+        raise InputError([Problem(message, hint=hint)])
     if not len(parts.legs):
         reason = str(parts.dives["reason"].iloc[0])
         message = f"{counted(len(parts.dives), 'dive')}, but none has a dead-reckoned end: {track.reckoning} ({reason})"

@@ -12,6 +12,7 @@ from missionplan.errors import counted
 from missionplan.importers.dives import (
     Candidate,
     LegRules,
+    depth_near,
     depths_of,
     find_candidates,
     from_surface,
@@ -33,10 +34,14 @@ from missionplan.results.imported import Basis, LegPicture
 
 _STANDS_STILL = 1.0
 """Way that a position which stands still makes at most [m]."""
+_DEEP = 0.15
+"""Share of fixes under water from which on it is said."""
 _ABOUT = 900.0
 """Time before and after a leg of which its picture shows fixes and depths [s]."""
 _MOST = 0.5
 """Share of dives whose position stands still from which on dead reckoning is made for all."""
+_STEP, _FASTER = 5.0, 3.0
+"""Way beyond that at so many times the usual speed that the position steps onto a fix [m]."""
 _LATEST_START = 120.0
 """How long after a fix its dead-reckoned position still shows whether the fix was taken in [s]."""
 LEG_COLUMNS = (
@@ -100,7 +105,13 @@ def cut(track: Track, rules: LegRules) -> CutTrack:
     shortest = shortest_of(rules, track, (dives["t_end_s"] - dives["t_start_s"]).to_numpy())
     dives = pd.concat([dives, judge(dives, track, reckoned, Limits(shortest, gap, depths.surface))], axis=1)
     dives["ok"] = (dives["reason"] == "").astype(int)
-    notices = [*track.notices[notice_count:], *notices, *_of_late_fixes(dives, depths.surface), *_of_old_ends(dives)]
+    notices = [
+        *track.notices[notice_count:],
+        *notices,
+        *_of_deep_fixes(track.depth, np.delete(fixes.good.t, [dive.before for dive in candidates]), depths.surface),
+        *_of_late_fixes(dives, depths.surface),
+        *_of_old_ends(dives),
+    ]
     speed = "logged" if len(track.speed) else "pitch and depth rate" if by == "made" else "dead-reckoned way"
     north = "a north that is not stated" if track.heading_from == "unknown" else f"{track.heading_from} north"
     north += ", declination added" if track.heading_from == "magnetic" and len(track.declination) else ""
@@ -113,7 +124,15 @@ def _reckoned(
 ) -> tuple[str, list[Positions], str, list[str]]:
     """Dead-reckoned positions of each dive: `logged`, `moved` or `made`, where they come from, and notices."""
     after = [float(np.nextafter(fixes.good.t[candidate.before], np.inf)) for candidate in candidates]
-    lines = [track.reckoned.within(t, candidate.reckoned_to) for t, candidate in zip(after, candidates, strict=True)]
+    whole = [track.reckoned.within(t, candidate.reckoned_to) for t, candidate in zip(after, candidates, strict=True)]
+    lines = [_until_taken_in(line, fixes.good, candidate) for line, candidate in zip(whole, candidates, strict=True)]
+    early = [line.t[-1] - cut.t[-1] for line, cut in zip(whole, lines, strict=True) if len(cut) < len(line)]
+    notices = []
+    if early:
+        notice = (
+            f"on {len(early)} of {counted(len(lines), 'dive')} the position steps onto the fix before that is logged, "
+        )
+        notices.append(f"{notice}up to {max(early):.0f} s: legs end before the step; have both another clock?")
     still = [_stands_still(line) for line in lines]
     if can_be_made(track) and (not len(track.reckoned) or np.mean(still or [True]) > _MOST):
         by = "with speed" if len(track.speed) else "with pitch and depth rate"
@@ -122,9 +141,19 @@ def _reckoned(
         return "made", made, f"made from heading, {by}", [f"{why}: dead reckoning was made from heading, {by}"]
     shifted = _offset_where_fixes_are_ignored(lines, fixes, candidates)
     if shifted is None:
-        return "logged", lines, track.reckoning, []
+        return "logged", lines, track.reckoning, notices
     notice = "the vehicle's position goes on across its fixes: each leg's is moved to start at the fix"
-    return "moved", shifted, f"{track.reckoning}, each leg moved to start at its fix", [notice]
+    return "moved", shifted, f"{track.reckoning}, each leg moved to start at its fix", [notice, *notices]
+
+
+def _until_taken_in(line: Positions, good: Fixes, dive: Candidate) -> Positions:
+    """Cut a line where, from surfacing on, it steps onto a fix that is logged later only."""
+    steps = np.hypot(*displacement(line.latitude[:-1], line.longitude[:-1], line.latitude[1:], line.longitude[1:]))
+    away = np.hypot(*displacement(good.latitude[dive.after], good.longitude[dive.after], line.latitude, line.longitude))
+    usual = np.median(steps / np.diff(line.t)) if len(steps) else 0.0
+    is_step = (steps > _STEP + _FASTER * usual * np.diff(line.t)) & (away[1:] < 0.5 * away[:-1])
+    taken = np.flatnonzero(is_step & (line.t[1:] >= dive.surfaced))
+    return line.within(-np.inf, line.t[taken[0] + 1]) if len(taken) else line
 
 
 def _stands_still(line: Positions) -> bool:
@@ -255,6 +284,17 @@ def _mean_heading(track: Track, start: float, end: float) -> float:
         return float("nan")
     angle = np.radians(logged.values + true_from_logged(track, logged.t))
     return float(np.degrees(np.angle(np.exp(1j * angle).sum())) % 360.0)
+
+
+def _of_deep_fixes(depth: Series, t: Array, surface: float) -> Iterator[str]:
+    """Say how many fixes that begin no dive stand in the log while the vehicle is under water, where many do."""
+    at_fix = depth_near(depth, t, _LATEST_START)
+    deep = at_fix[at_fix > surface]
+    if len(deep) > _DEEP * len(t):
+        yield (
+            f"{len(deep)} fixes that begin no dive stand in the log while the vehicle is under water, as deep as "
+            f"{deep.max():.0f} m: have fixes and depths another clock?"
+        )
 
 
 def _of_late_fixes(dives: pd.DataFrame, surface: float) -> Iterator[str]:

@@ -125,7 +125,7 @@ def _surface_reading(depth: Series, at_surface: Series, good: Fixes) -> tuple[fl
     by_state = depth.values[at_surface.held(depth.t) == 1.0] if len(at_surface) else np.empty(0)
     if len(by_state) >= _FEWEST:
         return float(np.median(by_state)), "state"
-    at_fix = _depth_near(depth, good.t, _AT_FIX)
+    at_fix = depth_near(depth, good.t, _AT_FIX)
     readings = at_fix[np.isfinite(at_fix)]
     if len(readings) < _FEWEST:
         return 0.0, "assumed"
@@ -163,7 +163,7 @@ def find_candidates(fixes: Fixes, depth: Series, depths: Depths, longest_gap: fl
         gaps = np.flatnonzero(np.diff(fixes.t) >= _SILENT)
         ends = [float(fixes.t[k + 1]) for k in gaps]
         return [Candidate(int(k), int(k) + 1, np.nan, np.nan, t, t) for k, t in zip(gaps, ends, strict=True)]
-    at_fix = _depth_near(depth, fixes.t, _NEAR)
+    at_fix = depth_near(depth, fixes.t, _NEAR)
     dives, holes = [], []
     for k in range(len(fixes) - 1):
         start, end = float(fixes.t[k]), float(fixes.t[k + 1])
@@ -182,8 +182,10 @@ def find_candidates(fixes: Fixes, depth: Series, depths: Depths, longest_gap: fl
     return sorted(dives, key=lambda dive: dive.before)
 
 
-def _depth_near(depth: Series, t: Array, near: float) -> Array:
+def depth_near(depth: Series, t: Array, near: float) -> Array:
     """Depth at some times [m]; nan farther than `near` from any reading, before the first and after the last."""
+    if not len(depth):
+        return np.full(len(t), np.nan)
     after = np.searchsorted(depth.t, t)
     before, after = np.maximum(after - 1, 0), np.minimum(after, len(depth) - 1)
     away = np.minimum(np.abs(depth.t[before] - t), np.abs(depth.t[after] - t))

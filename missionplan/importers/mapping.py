@@ -15,8 +15,8 @@ import pandas as pd
 from missionplan.arrays import Array, without_nines
 from missionplan.errors import InputError, Problem, did_you_mean, shown
 from missionplan.mission.documents import load_document
-from missionplan.mission.units import FACTORS, QuantityError, parse_number_with_unit
-from missionplan.scenario.currents.attributes import factor
+from missionplan.mission.units import FACTORS
+from missionplan.scenario.currents.attributes import COARSEST, FINEST, factor
 
 QUANTITIES = {
     "time": "iso",
@@ -225,13 +225,9 @@ def unit_factor(unit: str, wanted: str) -> float:
     Raises InputError when the unit is unknown, or of another kind.
     """
     scale, pressure = factor(unit, wanted), factor(unit, "Pa") if wanted == "m" else None
+    scale = scale if wanted != "m" or scale is None or FINEST <= scale <= COARSEST else None
     if scale is None and pressure is None:
-        try:
-            return parse_number_with_unit(f"1 {unit}", wanted)
-        except QuantityError as error:
-            raise InputError(
-                [Problem(problem.message, key="map", hint=problem.hint) for problem in error.problems]
-            ) from None
+        raise InputError([Problem(f"given the unit {shown(unit)}, expected one such as {wanted}", key="map")])
     return scale if scale is not None else (pressure or 0.0) / PASCALS_A_METRE
 
 

@@ -251,6 +251,12 @@ def possible(track: Track) -> Track:
         if track.fixes.t[-1] >= YET_TO_COME:
             raise InputError([Problem(notice, hint=hint)])
         notices.append(f"{notice}: they have no date that tides or the magnetic field could be known by")
+    if len(track.fixes) and np.all(np.abs([2.0 * track.fixes.latitude, track.fixes.longitude]) < np.pi):
+        notices.append(
+            "its fixes lie within 1.6° of the equator and 3.2° of Greenwich: they are taken as degrees, not radians"
+        )
+    if len(track.heading) and track.heading.values.max() < 2.0 * np.pi and np.ptp(track.heading.values) > np.pi:
+        notices.append("its headings lie between 0 and 6.3: they are taken as degrees, not radians")
     for name, greatest in _GREATEST.items():
         read: Series = getattr(track, name)
         wrong = np.abs(read.values) > greatest

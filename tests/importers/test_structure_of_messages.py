@@ -1,6 +1,7 @@
 """Logs of messages of one voyage in many writings: order, names, types, frames, byte order, two vehicles mixed."""
 
 import gzip
+import re
 import struct
 
 import numpy as np
@@ -287,6 +288,15 @@ def test_moos_with_positions_of_its_filter_alone(plain, tmp_path):
     agree(plain, import_logs([path]), metres=8.0, seconds=STEP + 0.1)
 
 
+def test_fixes_of_moos_in_another_unit_are_named(tmp_path):
+    text = alog(tmp_path / "a.alog").read_text()
+    for name in ("GPS_LATITUDE", "GPS_LONGITUDE"):
+        text = re.sub(rf"({name}  iNav  -?)(\d+)\.", r"\g<1>\g<2>00.", text)
+    (tmp_path / "a.alog").write_text(text)
+    with pytest.raises(InputError, match=r"no position that can be one in \d+ latitudes, such as 4800"):
+        import_logs([tmp_path / "a.alog"])
+
+
 def test_a_packed_log_of_moos(tmp_path):
     path = alog(tmp_path / "a.alog")
     (tmp_path / "b.alog.gz").write_bytes(gzip.compress(path.read_bytes()))
@@ -314,12 +324,12 @@ def own_table(path, voyage=VOYAGE, north=0.0):
     return path
 
 
-def nmea(path, voyage=VOYAGE, talker="GP", order=1, north=0.0, kinds=("GGA", "RMC"), start=""):
+def nmea(path, voyage=VOYAGE, talker="GP", order=1, north=0.0, kinds=("GGA", "RMC"), start="", ahead=0.0, undated=0):
     pynmea2 = pytest.importorskip("pynmea2", reason="pynmea2 is not installed")
     lines = []
     fixes = voyage.track.fixes
     for t, lat, lon in zip(fixes.t, fixes.latitude + north, fixes.longitude, strict=True):
-        moment = np.datetime64(round(t), "s").astype(object)
+        moment = np.datetime64(round(t + ahead), "s").astype(object)
         angle = [np.floor(abs(x)) * 100 + abs(x) % 1 * 60 for x in (lat, lon)]
         place, clock = (f"{angle[0]:.5f}", "N", f"{angle[1]:011.5f}", "W"), f"{moment:%H%M%S}.00"
         made_of = {
@@ -328,7 +338,8 @@ def nmea(path, voyage=VOYAGE, talker="GP", order=1, north=0.0, kinds=("GGA", "RM
             "ZDA": (clock, f"{moment:%d}", f"{moment:%m}", f"{moment:%Y}", "00", "00"),
             "GSV": ("1", "1", "00"),
         }
-        lines += [start + str(getattr(pynmea2, kind)(talker, kind, made_of[kind])) for kind in kinds][::order]
+        lines += [start + str(getattr(pynmea2, kind)(talker, kind, made_of[kind])) for kind in kinds
+                  if kind in ("GGA", "GSV") or len(lines) >= undated][::order]  # fmt: skip
     path.write_text("\r\n".join(lines) + "\r\n")
     return path
 
@@ -376,6 +387,32 @@ def test_sentences_of_any_talker_order_and_kind(plain, tmp_path):
     for k, change in enumerate(changes):
         path = nmea(tmp_path / f"{k}.nmea", **change)
         agree(plain, import_logs([table, path], format="track", names=NAMES))
+
+
+@pytest.mark.parametrize("undated", [1, 6, 16])
+def test_fixes_before_the_first_date_have_the_date_that_follows(plain, tmp_path, undated):
+    """Midnight passes within them."""
+    gps = nmea(tmp_path / "a.nmea", undated=undated)
+    agree(plain, import_logs([own_table(tmp_path / "own.csv"), gps], format="track", names=NAMES))
+
+
+@pytest.mark.parametrize("ahead", [3.0, 18.0, 60.0])
+def test_a_clock_of_fixes_that_is_ahead_makes_no_leg_end_at_its_fix(tmp_path, ahead):
+    """Else the position that has taken in the fix stood for the dead-reckoned one, and no leg erred."""
+    table = own_table(tmp_path / "own.csv")
+    plain, late = (
+        import_logs([table, nmea(tmp_path / f"{shift:g}.nmea", ahead=shift)], format="track", names=NAMES)
+        for shift in (0.0, ahead)
+    )
+    agree(plain, late, seconds=ahead + 0.1, metres=10.0)
+    says = ["steps onto the fix before that is logged" in " ".join(each.provenance.notices) for each in (plain, late)]
+    assert says == [False, True]
+
+
+def test_a_clock_of_fixes_that_is_behind_is_told(tmp_path):
+    gps = nmea(tmp_path / "a.nmea", ahead=-18.0)
+    notices = import_logs([own_table(tmp_path / "own.csv"), gps], format="track", names=NAMES).provenance.notices
+    assert any("that begin no dive stand in the log while the vehicle is under water" in each for each in notices)
 
 
 def test_sentences_of_two_receivers_far_apart_are_found_out(tmp_path):

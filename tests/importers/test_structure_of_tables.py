@@ -261,3 +261,53 @@ def test_one_row_of_another_year_is_no_jump_of_the_clock(tmp_path):
     lines = path.read_text().splitlines()
     (tmp_path / "b.csv").write_text("\n".join([lines[0], "8,8,8,8,8,4", *lines[1:50], "8,8,8,8,8,4", *lines[50:]]))
     agree(plain, import_logs([tmp_path / "b.csv"], names=names))
+
+
+TABLE_NAMES = ["time=time lat=lat lon=lon dr_lat=a dr_lon=b depth=depth heading_true=heading"]
+
+
+def columns(path, head="time,lat,lon,a,b,depth,heading", cell=lambda name, value: value):
+    """Write a table of fixes and dead-reckoned positions, each cell as `cell` has it."""
+    track, rows = ELSEWHERE.track, []
+    for t in np.union1d(track.fixes.t, track.reckoned.t):
+        place = []
+        for part in (track.fixes, track.reckoned):
+            k = np.flatnonzero(part.t == t)
+            place += [f"{values[k[0]]:.7f}" if len(k) else "" for values in (part.latitude, part.longitude)]
+        row = [f"{np.datetime64(round(t), 's')}", *place, f"{float(track.depth.at(t)):.2f}"]
+        names = ("time", "lat", "lon", "a", "b", "depth", "heading")
+        row = zip(names, [*row, f"{float(track.heading.at(t)):.2f}"], strict=True)
+        rows.append(",".join(cell(name, value) if value else "" for name, value in row))
+    path.write_text("\n".join([head, *rows]) + "\n")
+    return import_logs([path], format="track", names=TABLE_NAMES)
+
+
+@pytest.mark.parametrize(
+    ("head", "cell", "words"),
+    [
+        ("time", lambda name, value: f"{value} m" if name == "depth" else value, r"cells in depth are not as m says"),
+        ("time (EST)", lambda _, value: value, r"the column 'time \(EST\)' says 'EST': expected UTC, or a zone behind"),
+        ("time [UTC+2]", lambda _, value: value, r"says 'UTC\+2': expected UTC"),
+    ],
+)
+def test_what_cells_and_headings_say_is_not_passed_by(tmp_path, head, cell, words):
+    with pytest.raises(InputError, match=words):
+        columns(tmp_path / "a.csv", f"{head},lat,lon,a,b,depth,heading", cell)
+
+
+def test_a_zone_behind_each_time_goes_before_that_of_the_heading(tmp_path):
+    plain = columns(tmp_path / "a.csv")
+    zoned = columns(
+        tmp_path / "b.csv",
+        "time (local),lat,lon,a,b,depth,heading",
+        lambda name, value: f"{value}+00:00" if name == "time" else value,
+    )
+    agree(plain, zoned)
+
+
+def test_longitudes_toward_west_are_not_counted_east(tmp_path):
+    def unsigned(name, value):
+        return value.removeprefix("-") if name in ("lon", "b") else value
+
+    with pytest.raises(InputError, match=r"the column 'lon .W.' counts toward south or west"):
+        columns(tmp_path / "a.csv", "time,lat,lon (W),a,b,depth,heading", unsigned)

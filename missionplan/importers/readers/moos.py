@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from missionplan.arrays import Array
+from missionplan.errors import InputError, Problem
 from missionplan.importers.dives import split_at_surface
 from missionplan.importers.geodesy import origin_of, plane_positions
 from missionplan.importers.importer import ChannelStore, Identity, Importer, ReadOptions, Samples, SourceLog, unpacked
@@ -227,7 +228,11 @@ def _fixes(store: ChannelStore) -> Fixes:
     latitude = store.series("lat")
     quality = {name: _nearest(store, key, latitude.t) for name, key in
                (("hdop", "hdop"), ("satellites", "satellites"), ("accuracy", "hacc"), ("valid", "valid"))}  # fmt: skip
-    return fixes(latitude.t, latitude.values, _nearest(store, "lon", latitude.t), **quality)
+    there = fixes(latitude.t, latitude.values, _nearest(store, "lon", latitude.t), **quality)
+    if len(latitude) and not len(there):
+        message = f"no position that can be one in {len(latitude)} latitudes, such as {latitude.values[0]:g}"
+        raise InputError([Problem(message, key="lat", hint="are they in another unit? --map lat=NAME[ddmm] says it")])
+    return there
 
 
 def _nearest(store: ChannelStore, name: str, t: Array, within: float = 1.0) -> Array:

@@ -1,5 +1,6 @@
 """NetCDF files: variables by name, alias or standard name, each along its own dimension with that dimension's clock."""
 
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import lru_cache
@@ -16,6 +17,7 @@ from missionplan.importers.importer import needed_module
 from missionplan.importers.mapping import DDMM, QUANTITIES, MappedName, ddmm_to_degrees, times, unit_factor
 from missionplan.importers.track import Series, series
 from missionplan.moments import clock
+from missionplan.scenario.currents.attributes import bad_flags, valid
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -24,7 +26,10 @@ MAGIC = (b"CDF", b"\x89HDF")
 """First bytes of NetCDF 3 and 4 files."""
 _GOOD_FLAGS = (1.0, 2.0, 5.0, 8.0)
 """Quality flags (OceanSITES, reference table 2) of values that are good, probably good, changed or interpolated."""
-_BAD_FLAGS = (3.0, 4.0)
+
+
+_BACKWARD = re.compile(r"(_|s|\s)(s|w|south|west)$", re.IGNORECASE)
+"""Ends degrees that count toward south or west."""
 
 
 @contextmanager
@@ -80,7 +85,8 @@ class Variables:
         """Values as floats in one row; none where the file lacks the variable."""
         if name is None:
             return np.empty(0)
-        values = np.atleast_1d(self._variables[name].values)
+        has_range = any(str(key).startswith("valid_") for key in self._variables[name].attrs)
+        values = np.atleast_1d(valid(self._data[name]) if has_range else self._variables[name].values)
         if values.dtype.kind in "SU":  # flags are often characters
             words = values.astype(str).ravel()
             return np.array([float(word) if word.strip().isdigit() else np.nan for word in words])
@@ -112,7 +118,7 @@ class Variables:
         """Times of a variable's values since 1970 [s], along its own dimension.
 
         Several clocks may lie along one: the one that shares a part of its name with the variable is its own, else
-        the one of the shortest name. Raises ValueError when no time lies along its dimension.
+        the one of the shortest name. Raises LookupError when no time lies along its dimension.
         """
         along = self.dimension(name)
         clocks = [
@@ -123,7 +129,7 @@ class Variables:
             and " since " in self.unit(clock)
         ]
         if not clocks:
-            raise ValueError(f"no time lies along the dimension {along} of {name}")
+            raise LookupError(f"no time lies along the dimension {along} of {name}")
         return self.epoch(max(clocks, key=lambda clock: (_shared(clock, name), -len(clock))))
 
     def epoch(self, name: str) -> Array:
@@ -132,22 +138,22 @@ class Variables:
         return np.asarray(zero + self.numbers(name) * length)
 
     def series(self, name: str | None, unit: str) -> Series:
-        """Readings of a variable in a unit on its own clock; none where it is missing or has no clock."""
+        """Readings of a variable in a unit on its own clock, good ones; none where it is missing or has no clock."""
         if name is None:
             return Series()
         try:
             t = self.clock(name)
-        except ValueError:
+        except LookupError:
             return Series()
-        return series(t, self.in_unit(name, unit))
+        return series(t, np.where(self.validity(name) == 0.0, np.nan, self.in_unit(name, unit)))
 
     def validity(self, name: str | None) -> Array:
         """1 where the quality flag of a variable calls it good, 0 where bad, nan where it says neither."""
         flag = self.find(f"{name}_qc") if name else None
         if name is None or flag is None:
             return np.full(self._variables[name].size if name else 0, np.nan)
-        values = self.like(flag, name)
-        return np.where(np.isin(values, _GOOD_FLAGS), 1.0, np.where(np.isin(values, _BAD_FLAGS), 0.0, np.nan))
+        values, bad = self.like(flag, name), bad_flags(self._variables[flag])
+        return np.where(np.isin(values, bad), 0.0, np.where(np.isin(values, _GOOD_FLAGS), 1.0, np.nan))
 
     def text(self, *names: str) -> str:
         """Text of a variable or, failing that, of an attribute of the file; nothing where it has neither."""
@@ -179,8 +185,10 @@ def _factor(unit: str, wanted: str) -> float:
 
     Raises ValueError when it is one of something else, or none that is known.
     """
-    if not wanted or unit in ("", "1", wanted) or (wanted == "deg" and unit.lower().startswith("deg")):
+    if not wanted or unit in ("", "1", wanted):
         return 1.0
+    if wanted == "deg" and unit.lower().startswith("deg"):
+        return -1.0 if _BACKWARD.search(unit) else 1.0
     try:
         return unit_factor(unit, wanted)
     except InputError:

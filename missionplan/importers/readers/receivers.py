@@ -4,6 +4,7 @@ import io
 import math
 import re
 from collections import defaultdict
+from collections.abc import Iterator
 from dataclasses import dataclass
 from datetime import date, datetime, time, timedelta
 from pathlib import Path
@@ -29,6 +30,7 @@ _SUMMED = re.compile(rb"\*[0-9A-Fa-f]{2}\s*$", re.MULTILINE)
 _PLACED = ("RMC", "GGA", "GNS", "GLL")
 _NO_FIX = ("N", "E", "M", "S")
 """Modes of RMC, GLL and GNS: none, and estimated (dead-reckoned), manual and simulated ones; of GGA see `_GUESSED`."""
+_HALF_A_DAY = timedelta(hours=12.0)
 _GUESSED = (0.0, 6.0, 7.0, 8.0)
 
 
@@ -59,7 +61,7 @@ def add_nmea(path: Path, samples: Samples) -> None:
     Sentences may go without their sums in a file that has none; elsewhere such a one is cut off.
     """
     library = needed_module("pynmea2", "track", "track (NMEA)")
-    epoch, last, has_fixes = _Epoch(), None, False
+    epoch, last, early, count = _Epoch(), None, list[_Epoch](), len(samples)
     is_summed = _SUMMED.search(head_of(path)) is not None
     with io.TextIOWrapper(unpacked(path), encoding="ascii", errors="replace") as stream:
         for line in stream:
@@ -72,14 +74,14 @@ def add_nmea(path: Path, samples: Samples) -> None:
             if not isinstance(clock, time):
                 continue
             if clock != epoch.clock:
-                last = epoch.add_to(samples, last)
+                last = epoch.add_to(samples, last, early)
                 epoch = _Epoch(clock)
             epoch.take(sentence)
-            has_fixes = has_fixes or epoch.place is not None
-    if not has_fixes:
-        raise ValueError(f"no fixes: no whole sentence {', '.join(_PLACED)} with a position")
-    if epoch.add_to(samples, last) is None:
+    last = epoch.add_to(samples, last, early)
+    if any(one.place is not None for one in early):
         raise ValueError("its fixes have no date: sentences RMC or ZDA have it, beside GGA")
+    if len(samples) == count:
+        raise ValueError(f"no fixes: no whole sentence {', '.join(_PLACED)} with a position")
 
 
 @dataclass
@@ -112,17 +114,31 @@ class _Epoch:
             )
         self.valid = float(np.fmin(self.valid, said))
 
-    def add_to(self, samples: Samples, last: datetime | None) -> datetime | None:
-        """Add the fix, on the date it says or on that of the time before, or on the day after; returns its moment."""
+    def add_to(self, samples: Samples, last: datetime | None, early: "list[_Epoch]") -> datetime | None:
+        """Add the fix, on the date it says or that follows from the time before; returns its moment.
+
+        `early`: fixes of before the first date, which are added, and left out of the list, when it comes.
+        """
         day = self.day or (last.date() if last else None)
         if self.clock is None or day is None:
+            early += [] if self.clock is None else [self]
             return last
         moment = utc(datetime.combine(day, self.clock))
-        if self.day is None and last and moment < last - timedelta(hours=12.0):
+        if self.day is None and last and moment < last - _HALF_A_DAY:
             moment += timedelta(days=1)
-        if self.place is not None:
-            samples.add(moment.timestamp(), *self.place, *self.quality, self.valid)
+        for epoch, then in [*_dated(early, moment), (self, moment)]:
+            if epoch.place is not None:
+                samples.add(then.timestamp(), *epoch.place, *epoch.quality, epoch.valid)
+        early.clear()
         return moment
+
+
+def _dated(early: list[_Epoch], after: datetime) -> Iterator[tuple[_Epoch, datetime]]:
+    """Date times from the last on, each on the day of what comes after it, or on the day before."""
+    for epoch in reversed(early):
+        then = utc(datetime.combine(after.date(), epoch.clock or time()))
+        after = then - timedelta(days=then > after + _HALF_A_DAY)
+        yield epoch, after
 
 
 def _number(value: object) -> float:

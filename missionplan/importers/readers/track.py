@@ -8,6 +8,7 @@ separator, a preface or none, and decimal points or commas.
 import codecs
 import csv
 import io
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -43,8 +44,11 @@ from missionplan.importers.mapping import (
 from missionplan.importers.readers.netcdf import MAGIC, Variables, mapped_parts, opened
 from missionplan.importers.readers.receivers import FIX_COLUMNS, add_gpx, add_nmea, is_gpx, is_nmea
 from missionplan.importers.track import Fixes, Positions, Series, Track, fixes, positions, series
+from missionplan.moments import other_zone
 
 _ANGLES = ("lat", "lon", "dr_lat", "dr_lon")
+_WITH_ZONE = re.compile(r"(?:Z|[+-]\d{2}:?\d{2})\s*$")
+_BACKWARD = re.compile(r"[\W_](?:S|W|south|west)\W*$", re.IGNORECASE)
 _NO_COLUMNS = ("origin", "gps", "odometry")
 _QUALITIES = {"hdop": "hdop", "accuracy": "hacc", "satellites": "satellites", "valid": "valid"}
 
@@ -89,27 +93,40 @@ def _parts(path: Path, head: bytes, names: Mapping[str, MappedName]) -> Iterator
             yield from mapped_parts(Variables(data), columns)
         return
     wanted = [column.name for column in columns.values()]
+    heading = {asked: name for name, asked in _header(path, wanted)[2].items()}
     for number, chunk in enumerate(text_chunks(path, wanted)):
-        if number == 0 and len(chunk):
-            heading = {asked: name for name, asked in _header(path, wanted)[2].items()}
-            for quantity, column in columns.items():
-                unit = own_unit(column, quantity, heading.get(column.name, ""), chunk[column.name][0])
-                columns[quantity] = MappedName(column.name, unit)
+        for quantity, column in columns.items() if number == 0 and len(chunk) else ():
+            own = " ".join(heading.get(part, "") for part in _names_in(column.name))
+            columns[quantity] = MappedName(column.name, own_unit(column, quantity, own, chunk[column.name][0]))
+            _check_heading(quantity, own, chunk[column.name])
         part = _of_text(chunk, columns)
-        if "time" in columns:
-            _check_times(chunk[columns["time"].name], part["t"], columns["time"], is_first=number == 0)
+        for quantity, column in columns.items():
+            values = part["t" if quantity == "time" else quantity]
+            _check_cells(chunk[column.name], values, column, is_first=number == 0)
         yield part
 
 
-def _check_times(words: "pd.Series[str]", t: Array, asked: MappedName, *, is_first: bool) -> None:
-    """Refuse rows whose times are not of the form asked for: day and month exchanged are read up to the 12th.
+def _check_heading(quantity: str, heading: str, words: "pd.Series[str]") -> None:
+    """Refuse times of another zone, and degrees toward south or west, that the heading alone says so of."""
+    zone = other_zone(heading) if quantity == "time" else ""
+    if zone and not _WITH_ZONE.search(words.iloc[0]):
+        raise ValueError(f"the column {heading!r} says {zone!r}: expected UTC, or a zone behind each time")
+    if quantity in _ANGLES and _BACKWARD.search(heading) and not words.str.contains("[-SWsw]").any():
+        raise ValueError(f"the column {heading!r} counts toward south or west: write its degrees below 0, or 123.5 W")
+
+
+def _check_cells(words: "pd.Series[str]", values: Array, asked: MappedName, *, is_first: bool) -> None:
+    """Refuse times and numbers that are not of the form asked for: day and month exchanged are read up to the 12th.
 
     Raises PartlyReadError where rows before were read.
     """
-    is_other = ((words.str.strip() != "") & ~np.isfinite(t)).to_numpy()
-    if is_other.sum() > max(_OTHER * len(words), _FEW) or (is_other.any() and not np.isfinite(t).any()):
-        shown = words[is_other].iloc[0].strip()
-        message = f"{is_other.sum()} of {len(words)} times in {asked.name} are not as {asked.unit} says: {shown!r:.60}"
+    is_time = asked.unit == QUANTITIES["time"] or "%" in asked.unit
+    plain = words.str.strip().str.replace(",", ".")
+    is_word = (plain != "") if is_time else plain.str.contains(r"\d") & pd.to_numeric(plain, errors="coerce").isna()
+    is_other = (is_word & ~np.isfinite(values)).to_numpy()
+    if is_other.sum() > max(_OTHER * len(words), _FEW) or (is_other.any() and not np.isfinite(values).any()):
+        shown, kind = words[is_other].iloc[0].strip(), "times" if is_time else "cells"
+        message = f"{is_other.sum()} of {len(words)} {kind} in {asked.name} are not as {asked.unit} says: {shown!r:.60}"
         raise ValueError(message) if is_first else PartlyReadError(message)
 
 
@@ -269,10 +286,21 @@ def _header(path: Path, wanted: Sequence[str]) -> tuple[int, str, dict[str, str]
                 by_case = {convert(name).lower(): name for convert in (without_unit, str) for name in reversed(names)}
                 there = {name if name in names else by_case.get(name.lower(), ""): name for name in columns}
                 if "" not in there:
+                    _check_directions(stream, separator, names, list(there))
                     return number, separator, there
                 seen = max(seen, names, key=len)
     missing = [name for name in columns if name not in seen]
     raise ValueError(f"no column {', '.join(missing)}; it has {', '.join(name[:_LONGEST] for name in seen[:20])}")
+
+
+def _check_directions(stream: IO[str], separator: str, names: Sequence[str], used: Sequence[str]) -> None:
+    """Refuse a column beside one of directions, N or S, E or W, that nobody names: it would count north and east."""
+    for line, _ in zip(stream, range(_PREFACE), strict=False):
+        for name, following, cell in zip(names, names[1:], _cells(line, separator)[1:], strict=False):
+            if name in used and following not in used and cell.strip().upper() in ("N", "S", "E", "W"):
+                raise ValueError(
+                    f"the column {following} says {cell.strip()}: name it with {name}, as {name}+{following}"
+                )
 
 
 IMPORTERS = (Importer("track", "tables and NetCDF with --map, GPX, NMEA", recognises, read),)

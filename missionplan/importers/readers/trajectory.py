@@ -88,12 +88,9 @@ def _add(store: ColumnStore, file: Variables, columns: dict[str, str | None]) ->
         if name is None:
             continue
         part = along.setdefault(file.dimension(name), {"t": file.clock(name)})
-        part[quantity] = file.in_unit(name, QUANTITIES[quantity])
+        part[quantity] = np.where(file.validity(name) == 0.0, np.nan, file.in_unit(name, QUANTITIES[quantity]))
         if quantity == "depth" and file.attribute(name, "positive").lower() == "up":
             part[quantity] = -part[quantity]
-        if quantity == "lat":
-            bad = file.validity(name) == 0.0
-            part[quantity] = np.where(bad, np.nan, part[quantity])
     for part in along.values():
         store.add(part)
 

@@ -296,22 +296,27 @@ def undeclared_fill(u: NDArray[np.floating], v: NDArray[np.floating]) -> tuple[f
     what agrees.
     """
     finite = [np.where(np.isfinite(component), component, 0.0) for component in (u, v)]
-    first, second = (float(side.flat[np.argmax(np.abs(side))]) if side.size else 0.0 for side in finite)
-    places = u == first, v == second
+    farthest = [float(side.flat[np.argmax(np.abs(side))]) if side.size else 0.0 for side in finite]
+    places = [side == one for side, one in zip(finite, farthest, strict=True)]
     rest = [float(np.abs(side[~there]).max(initial=0.0)) for side, there in zip(finite, places, strict=True)]
-    least = (abs(first), abs(second)) if first == second else (0.5 * abs(first), 0.5 * abs(second))
-    is_beyond = all(0.0 < other < one for other, one in zip(rest, least, strict=True))
-    is_alike = first == second or np.array_equal(*places)
-    if is_beyond and is_alike and min(abs(first), abs(second)) >= 1.0 and np.sum(places[0] & places[1]) >= _FILLS:
-        return first, second
+    is_one, share = farthest[0] == farthest[1], 1.0 if farthest[0] == farthest[1] else 0.5
+    is_beyond = all(0.0 < other < share * abs(one) >= share for other, one in zip(rest, farthest, strict=True))
+    if is_beyond and (is_one or np.array_equal(*places)) and np.sum(places[0] & places[1]) >= _FILLS:
+        return farthest[0], farthest[1]
+    common = _nines(u, v)
+    return common, common
+
+
+def _nines(u: NDArray[np.floating], v: NDArray[np.floating]) -> float:
+    """Return the number written in nines that is most of what agrees; nan where there is none."""
     alike, count = np.unique(u[(u == v) & (u != 0.0)], return_counts=True)
     if not np.any(count >= _FILLS):
-        return np.nan, np.nan
+        return np.nan
     common = float(alike[np.argmax(count)])
     digits = f"{abs(common):.6g}".lstrip("0.").replace(".", "")
     is_nines = set(digits) == {"9"} and (len(digits) > 1 or abs(common) >= 1.0)
     is_most = count.max() > 0.5 * count.sum() and not np.all(u == common) and not np.all(v == common)
-    return (common, common) if is_nines and is_most else (np.nan, np.nan)
+    return common if is_nines and is_most else np.nan
 
 
 def velocities(

@@ -259,8 +259,8 @@ def _check_cells(
 
 
 def _of_files(files: FieldFiles) -> CurrentRecord:
-    sides = (_variable(files, key) for key in ("east", "north"))
-    east, north = (good(side, files.datasets[0]).squeeze(drop=True) for side in sides)
+    beside = files.datasets[0]
+    east, north = (good(_variable(files, key), beside).squeeze(drop=True) for key in ("east", "north"))
     time = _variable(files, "time")
     if not is_since(time.attrs.get("units")) or time.ndim != 1:
         raise files.problem("its times are no dates along one dimension")

@@ -25,11 +25,11 @@ def variables(**given):
 
 @pytest.mark.parametrize("kind", [float, "i1", "S1"])
 def test_quality_flags_are_those_of_oceansites(kind):
-    """Reference table 2: 1 good, 2 probably good, 3 and 4 bad, 5 changed, 8 interpolated; the others say neither."""
+    """Reference table 2: 1 good, 2 probably good, 3 and 4 bad, 5 changed, 8 interpolated, 9 missing; others: neither."""
     flags = np.array(range(10)).astype(kind)
     file = variables(DEPTH=(np.arange(10.0), {}), DEPTH_QC=(flags, {}))
     nan = np.nan
-    np.testing.assert_array_equal(file.validity("DEPTH"), [nan, 1, 1, 0, 0, 1, nan, nan, 1, nan])
+    np.testing.assert_array_equal(file.validity("DEPTH"), [nan, 1, 1, 0, 0, 1, nan, nan, 1, 0])
     assert np.isnan(variables(DEPTH=(np.arange(3.0), {})).validity("DEPTH")).all()
 
 
@@ -38,7 +38,15 @@ def test_quality_flags_are_those_of_oceansites(kind):
     [
         *[("m", "m", 1.0), ("cm", "m", 0.01), ("km", "m", 1000.0), ("cm s-1", "m/s", 0.01), ("m s -1", "m/s", 1.0)],
         *[("rad", "deg", 180.0 / np.pi), ("degrees", "rad", np.pi / 180.0), ("", "m", 1.0), ("1", "deg", 1.0)],
-        *[("FEET", "m", 0.3048), ("cm.s-1", "m/s", 0.01), ("degrees_true", "deg", 1.0), ("kPa", "m", 0.1)],
+        *[
+            ("FEET", "m", 0.3048),
+            ("cm.s-1", "m/s", 0.01),
+            ("degrees_true", "deg", 1.0),
+            ("degrees_east", "deg", 1.0),
+            ("0.1 m", "m", 0.1),
+        ],
+        *[(f"degrees{way}", "deg", -1.0) for way in ("_west", "_south", "W", " s")],
+        *[("kPa", "m", 0.1)],
     ],
 )
 def test_numbers_come_in_the_unit_that_is_wanted(unit, wanted, one):
@@ -85,7 +93,7 @@ def test_the_clock_of_a_variable_is_the_one_of_its_name_else_of_the_shortest():
     }
     file = variables(ctd_depth=([1.0, 1.0], {}), lat_gps=([1.0, 1.0], {}), other=([1.0, 1.0], {}), **clocks)
     assert [file.clock(name)[0] for name in ("ctd_depth", "lat_gps", "other")] == [0.0, 2.0, 1.0]
-    with pytest.raises(ValueError, match="no time lies along"):
+    with pytest.raises(LookupError, match="no time lies along"):
         variables(a=([1.0, 2.0], {}), t=([1.0, 2.0, 3.0], {"units": ticks})).clock("a")
     assert variables(a=([1.0, 2.0], {})).series("a", "m").t.size == 0
 
@@ -97,3 +105,29 @@ def test_a_variable_is_found_by_its_name_before_its_standard_name():
     assert file.find("z", "CTD_depth", standard=("depth",)) == "ctd_depth"
     assert file.find("z", standard=("depth",)) == "Depth"  # the shortest; one value is no column
     assert file.find("z", standard=("altitude",)) is None
+
+
+@pytest.mark.parametrize(
+    "bad",
+    [
+        {"valid_max": 50.0},
+        {"valid_range": np.array([0.0, 50.0])},
+        {"QC": [1, 4, 1]},
+        {"QC": [1, 0, 1], "flag_values": np.array([0, 1], "i1"), "flag_meanings": "fail pass"},
+    ],
+)
+def test_readings_beyond_the_valid_ones_and_flagged_ones_are_none(bad):
+    bad = dict(bad)
+    flags = {"depth_qc": (bad.pop("QC"), bad)} if "QC" in bad else {}
+    file = variables(
+        depth=([1.0, 1500.0, 3.0], {} if flags else bad),
+        time=([0.0, 1.0, 2.0], {"units": "seconds since 1970-01-01"}),
+        **flags,
+    )
+    assert file.series("depth", "m").t.tolist() == [0.0, 2.0]
+
+
+def test_a_clock_that_cannot_be_read_is_named_and_not_passed_by():
+    said = {"units": "seconds since 1970-01-01", "calendar": "noleap"}
+    with pytest.raises(ValueError, match="the calendar 'noleap'"):
+        variables(depth=([1.0, 2.0], {}), time=([0.0, 1.0], said)).series("depth", "m")

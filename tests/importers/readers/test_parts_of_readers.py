@@ -13,7 +13,7 @@ from missionplan.importers.geodesy import displacement, metres_per_degree, model
 from missionplan.importers.importer import ChannelStore, PartlyReadError, Samples
 from missionplan.importers.mapping import MappedName, times
 from missionplan.importers.readers import ardupilot, moos
-from missionplan.importers.readers.track import _check_times, _marks
+from missionplan.importers.readers.track import _check_cells, _marks
 from missionplan.importers.reckoning import HEADING_ERROR
 from missionplan.importers.starter import _glide_doubt
 from missionplan.importers.track import Track, fixes, possible, series
@@ -76,7 +76,7 @@ def test_times_of_another_form_are_refused_and_damaged_ones_passed_by():
 
     def check(*words, is_first=True):
         words = pd.Series(words, dtype=str)
-        _check_times(words, times(words, asked.unit), asked, is_first=is_first)
+        _check_cells(words, times(words, asked.unit), asked, is_first=is_first)
 
     with pytest.raises(ValueError, match="1 of 2 times in clock are not as %m/%d/%Y %H:%M:%S says: '12h'"):
         check("", "12h")
@@ -126,3 +126,11 @@ def test_readings_that_no_vehicle_has_are_left_out_and_those_of_another_unit_ref
     assert found.notices == ("1 of 4 readings of the heading are impossible, such as 655.35: left out",)
     with pytest.raises(InputError, match="3 of 4 readings of the speed are impossible, such as 1000"):
         possible(replace(track, speed=series(t, [1000.0, 1200.0, 900.0, 0.0])))
+
+
+def test_angles_that_may_be_radians_are_told():
+    near, none = np.array([0.85, 0.86]), np.zeros(2)
+    t, turn = np.array([1.7e9, 1.7e9 + 1.0]), np.array([0.1, 6.2])
+    told = possible(Track("a", "b", fixes(t, near, -2.0 * near), heading=series(t, turn))).notices
+    assert [each.partition(" lie")[0] for each in told] == ["its fixes", "its headings"]
+    assert not possible(Track("a", "b", fixes(t, near + 1.0, none), heading=series(t, 10.0 * turn))).notices
