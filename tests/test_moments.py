@@ -6,6 +6,7 @@ from datetime import UTC, date, datetime, timedelta, timezone
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 from pydantic import BaseModel
 
@@ -92,6 +93,12 @@ def test_units_of_times_are_those_of_cftime(unit, zero, kind):
     theirs = cftime.num2date(int(whole / length), f"{unit} since {zero}", kind or "standard")
     ours = datetime.fromtimestamp(begun + int(whole / length) * length, UTC)
     assert theirs.isoformat()[:19] == ours.isoformat()[:19]
+
+
+@pytest.mark.parametrize("unit", ["seconds", "msec", "milliseconds", "µs", "microsecond", "ns", "min", "hours", "days"])
+def test_every_unit_is_as_long_as_elsewhere(unit):
+    _, length = since(f"{unit} since 1970-01-01")
+    assert length == pd.Timedelta(1, {"msec": "ms", "µs": "us"}.get(unit, unit)).total_seconds()
 
 
 @pytest.mark.parametrize(

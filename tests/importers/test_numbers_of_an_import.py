@@ -13,7 +13,7 @@ from pyproj import Geod
 
 from missionplan.errors import InputError
 from missionplan.importers import _of_current, geodesy, transit_data
-from missionplan.importers.cutting import cut
+from missionplan.importers.cutting import cut, leg_picture
 from missionplan.importers.descents import _lines as lines_of_depth
 from missionplan.importers.dives import LegRules, depths_of, longest_gap
 from missionplan.importers.judging import fix_sd
@@ -242,6 +242,18 @@ def test_the_picture_of_a_leg_counts_from_its_start_a_quarter_of_an_hour_around(
     assert (picture.depth_t.min(), picture.depth_t.max()) == (-900.0, 3600.0 + 540.0 + 360.0)
     assert picture.depth[picture.depth_t == 1800.0] == pytest.approx([100.0])
     assert picture.reasons == ()
+
+
+def test_fixes_that_do_not_count_are_in_the_picture_of_the_legs_they_lie_about():
+    log = made(legs=3, current=(0.1, -0.05))
+    fixed = log.track.fixes
+    valid = np.where(np.isin(fixed.t, [log.starts[0] - 60.0, log.starts[2] - 120.0]), 0.0, 1.0)
+    parts = cut(replace(log.track, fixes=replace(fixed, valid=valid)), LegRules())
+    picture = leg_picture(parts, 2)
+    assert picture.rejected_t.tolist() == [-120.0]
+    assert picture.rejected == pytest.approx(np.array([[-12.0], [6.0]]), abs=0.05)  # two minutes before, in the current
+    assert picture.reasons == ("not valid by its flag",)
+    assert -120.0 not in picture.fix_t
 
 
 def test_what_is_said_of_a_current_that_the_vehicle_estimates():

@@ -68,6 +68,13 @@ def test_choices_are_classes():
     assert index == pytest.approx((2 / 9) / (1 + 2 / 9), abs=4.0 * error)
 
 
+def test_classes_are_of_equal_counts_but_for_equal_values():
+    """Half of the draws are nil: they are one class, and the others have as many each as they would have alone."""
+    draws = np.append(np.zeros(2_000), np.random.default_rng(8).random(2_000) + 1.0)
+    _, counts = np.unique(Source.of(draws).classes, return_counts=True)
+    assert counts.tolist() == pytest.approx([2_000] + [200] * 10, abs=1)
+
+
 @pytest.mark.parametrize(("scale", "shift"), [(1.0, 0.0), (1e-6, 1e3), (1e6, -1e9)])
 def test_units_do_not_matter(scale, shift):
     random = np.random.default_rng(6)

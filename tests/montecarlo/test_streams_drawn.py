@@ -1,5 +1,6 @@
 """Who draws from which stream: every random quantity from its own, once, and no two quantities from one."""
 
+import copy
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +11,7 @@ from missionplan.mission import Mission
 from missionplan.mission.schema.site import LeewaySection
 from missionplan.montecarlo.streams import BLOCK, BlockStreams
 from missionplan.scenario.scenario import Scenario
-from missionplan.scenario.site_current import STREAM
+from missionplan.scenario.site_current import STREAM, recorded_current
 from missionplan.studies.exploration import with_values
 from missionplan.studies.simulation.trial_block import run_trials
 
@@ -73,9 +74,9 @@ def uncertain(means):
     return tuple(means.sampled(seed=1, block=0, size=1).draws)
 
 
-def ran(means, **how):
+def ran(means, trials=TRIALS, **how):
     source = Recorded(**how)
-    return run_trials(means.sampled_from(source, TRIALS), source, TRIALS, inputs=False), source.names
+    return run_trials(means.sampled_from(source, trials), source, trials, inputs=False), source.names
 
 
 def test_every_quantity_has_a_stream_of_its_own_and_is_drawn_once(means):
@@ -136,6 +137,44 @@ def test_draws_are_uncorrelated(means):
     for name in set(names) - {"moor.premature_flooding"}:
         normals = source.once(name)[:TRIALS] if name in uncertain(means) else source.legs(name).leg(0)[0, :TRIALS]
         assert abs(np.corrcoef(flooded, normals)[0, 1]) < 5.0 / np.sqrt(TRIALS), name
+
+
+FORECAST = {
+    "site.current": {
+        "file": "current.csv",
+        "outside": "hold",
+        "error": {
+            "sigma": {"median": "0.05 m/s", "factor": 1.5},
+            "time": {"median": "2 h", "factor": 1.3},
+            "length": {"median": "2 km", "factor": 1.3},
+        },
+    }
+}
+EQUIPMENT = {
+    "vehicle.reliability": [{"per": "hour", "rate": {"mean": "0.2 1/h", "sd": "0.02 1/h"}}],
+    "site.wind": {"speed": {"mean": "8 m/s", "sd": "1 m/s"}, "from": {"low": "150 deg", "high": "210 deg"}},
+    "effects": [{"compass-bias": {"angle": {"mean": "0 deg", "sd": "1 deg"}}}],
+}
+
+
+@pytest.mark.parametrize("changes", [EQUIPMENT, FORECAST], ids=["layers", "forecast"])
+def test_a_trial_is_the_mission_with_its_draws_written_in(changes, tmp_path):
+    """Whatever is uncertain acts in a trial by its value there; without what the vehicle's plan knows of the means."""
+    (tmp_path / "current.csv").write_text("t_s,depth_m,east_m_s,north_m_s\n0,0,0.1,0.1\n20000,0,-0.1,0.2\n")
+    data = with_values(missionplan.load(MISSIONS / "chesapeake.yaml").raw, copy.deepcopy(UNCERTAIN | changes))
+    if "file" in data["site"]["current"]:
+        data["site"]["current"]["file"] = str(tmp_path / "current.csv")
+    else:
+        data["site"]["current"][1]["down_to"] = "20 m"  # below the seafloor of any trial
+    data["navigation"]["drift_compensation"] = "last-leg"
+    mission, trial = Mission.from_data(data), 5
+    means = Scenario.at_means(mission, recorded_current(mission))
+    drawn, _ = ran(means, trial + 1)
+    assert set(drawn.draws) == set(mission.uncertain())
+    written = mission.with_({key: float(values[trial]) for key, values in drawn.draws.items()})
+    alone, _ = ran(Scenario.at_means(written, recorded_current(written)), trial + 1)
+    for name, values in everything(alone).items():
+        assert values[trial] == pytest.approx(everything(drawn)[name][trial], rel=3e-3, nan_ok=True), name
 
 
 def straight(d_max):

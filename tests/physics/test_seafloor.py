@@ -30,6 +30,10 @@ def test_on_level_ground_the_margin_is_the_weight_to_spare():
     assert holding_margin(ANCHOR, pull(2.0, 0.0, 0.8), NO_DRAG, LEVEL) == pytest.approx([1 - (0.8 + 2.0 / 0.5) / 11.8])
     drag = np.array([[0.0], [1.5]])
     assert holding_margin(ANCHOR, pull(2.0, 0.0, 0.8), drag, LEVEL) == pytest.approx([1 - (0.8 + 2.5 / 0.5) / 11.8])
+    for along in (0.7, -0.7):  # the current drags the anchor the way that the line pulls, or the other
+        drag = np.array([[along], [0.0]])
+        expected = 1 - (0.8 + (2.0 + along) / 0.5) / 11.8
+        assert holding_margin(ANCHOR, pull(2.0, 0.0, 0.8), drag, LEVEL) == pytest.approx([expected])
 
 
 def test_on_a_slope_an_anchor_slides_beyond_the_friction_angle():

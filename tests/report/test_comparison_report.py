@@ -104,6 +104,9 @@ def test_what_decides_comes_first_then_the_clearest_change(comparison):
         "duration (moor)",  # 3
         "lowest altitude of the nose (moor)",  # without noise
     ]
+    alt = page(replace(comparison, differences=(weak, *comparison.differences))).figure.alt
+    assert alt.startswith("Changes of 2 numbers")
+    assert alt.endswith("the clearest is that of the offset of the anchor (moor) at 20.0.")
 
 
 def test_missions_that_are_not_alike_are_said_so_in_one_line(comparison):

@@ -102,14 +102,16 @@ def test_turns_a_minute_are_turns(tmp_path):
     assert float(Scenario.at_means(turning).transit("run").speed) == pytest.approx(1.0, rel=1e-9)
 
 
-def test_each_leg_gathers_way(tmp_path):
+@pytest.mark.parametrize("speed", [1.0, 1.6])
+def test_each_leg_gathers_way(speed, tmp_path):
+    """Where thrust and drag go by squares the way lost is the same at every speed."""
     assert Scenario.at_means(mission(tmp_path)).propelled.moving_mass == 63.0
     with_it, without = (
-        simulate(mission(tmp_path), sheet=False),
-        simulate(mission(tmp_path, propulsion=None), sheet=False),
+        duration(simulate(mission(tmp_path, propulsion, speed=f"{speed} m/s"), sheet=False))
+        for propulsion in (PROPULSION, None)
     )
-    assert duration(without) == pytest.approx(1000.0 + 4 * 60.0)
-    assert duration(with_it) - duration(without) == pytest.approx(4 * LOST / 1.0, rel=1e-9)
+    assert without == pytest.approx(1000.0 / speed + 4 * 60.0)
+    assert with_it - without == pytest.approx(4 * LOST / speed, rel=1e-9)
     assert LOST > 0.5
 
 
@@ -122,8 +124,10 @@ def test_error_grows_with_the_time_that_gathering_way_takes(tmp_path):
         assert mean == pytest.approx(0.01 * length * math.sqrt(math.pi / 2.0), rel=0.03)
 
 
-def test_a_speed_inferred_wrongly_moves_the_vehicle(tmp_path):
-    weak = mission(tmp_path, PROPULSION | {"thrust_factor": 0.9, "drag_factor": 1.2}, arrival_radius="60 m")
+@pytest.mark.parametrize("speed", ["1 m/s", "1.6 m/s"])
+def test_a_speed_inferred_wrongly_moves_the_vehicle(speed, tmp_path):
+    factors = {"thrust_factor": 0.9, "drag_factor": 1.2}
+    weak = mission(tmp_path, PROPULSION | factors, speed=speed, arrival_radius="60 m")
     at_weak, at_right = Scenario.at_means(weak), Scenario.at_means(mission(tmp_path))
     (effect,) = at_weak.effects_under_way(at_weak.transit())
     expected = speed_error(UNIT, HULL, RATE, 1e9, thrust_factor=0.9, drag_factor=1.2)

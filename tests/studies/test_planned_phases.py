@@ -12,7 +12,9 @@ from missionplan.phases.transit.plan import Execution
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import recorded_current
 from missionplan.studies import planned_phases
+from missionplan.studies.export import mission_plan
 from missionplan.studies.planned_phases import TransitDurations, _last_drift, _sailed_by_its_vehicle, transit_durations
+from missionplan.studies.simulation.simulate import simulate_block
 from tests.exporters.made_plans import PLANS
 
 START, NOTHING = [0.0, 0.0], [np.nan, np.nan]
@@ -59,6 +61,29 @@ def test_a_transit_is_sailed_in_the_current_of_its_own_time_and_is_not_given_up(
             found = transit_durations(means, means.transit(), np.zeros(2), begins, 1, execution)
             assert found.arrived == 1.0
             assert found.surface_drift == pytest.approx([drift, 0.0], abs=1e-6)
+
+
+def test_what_follows_a_transit_of_one_leg_begins_after_its_surfacing_in_the_current_of_that_time(tmp_path):
+    """300 m out at 1 m/s and 90 s up; 0.25 m/s from then on shorten the way on, as in trials."""
+    (tmp_path / "current.csv").write_text(
+        "t_s,depth_m,east_m_s,north_m_s\n0,0,0,0\n390,0,0,0\n391,0,0.25,0\n50000,0,0.25,0\n"
+    )
+    ways = ({"name": "out", "to": ["0 m", "300 m"]}, {"name": "on", "to": ["1 km", "300 m"]})
+    path = {key: value for key, value in PATH.items() if key != "from"}
+    first, second = ({"transit": {**path, **way}} for way in ways)
+    first["transit"]["from"] = ["0 m", "0 m"]
+    data = {
+        "site": {"current": {"file": str(tmp_path / "current.csv"), "outside": "hold"}},
+        "navigation": {"velocity_error": {"sigma": "0.001 m/s"}, "surfacing_time": "90 s"},
+        "phases": [first, second],
+    }
+    mission = Mission.from_data(data)
+    out, on = mission_plan(mission).transits
+    assert (out.waypoints[-1].elapsed, on.start.elapsed, on.legs[0].elapsed) == pytest.approx((300.0, 390.0, 690.0))
+    trials = simulate_block(mission, seed=mission.monte_carlo.seed, block=0, trials=200)
+    for planned, sailed in zip((out, on), trials.phases, strict=True):
+        assert planned.duration_p99 == pytest.approx(np.quantile(sailed.quantities["duration_s"], 0.99), abs=2.0)
+    assert on.duration_p99 < 1000.0 + 3 * 90.0 - 100.0  # still water takes it all
 
 
 @pytest.mark.parametrize(("ends", "extra"), [("fix", 0), ("count", 2)])

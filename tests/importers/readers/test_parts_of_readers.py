@@ -38,6 +38,14 @@ def test_the_magnetic_models_reach_two_years_beyond_their_own(year, is_known):
     assert (found is not None) == is_known
 
 
+@pytest.mark.parametrize(("year", "published"), [(2010, -6.13), (2015, -3.90), (2020, -1.28), (2025, 1.28)])
+def test_each_magnetic_model_is_that_of_its_five_years(year, published):
+    """The test values that NOAA publishes with each model: at 80° N, 0° E, its first day; the model before is off."""
+    pytest.importorskip("pygeomag")
+    angle = model_declination(80.0, 0.0, datetime(year, 1, 1, tzinfo=UTC).timestamp())
+    assert angle == pytest.approx(published, abs=0.006)
+
+
 def test_the_doubt_of_a_glide_is_of_the_legs_that_have_one():
     doubts = np.array([0.1, np.nan, 0.2, 0.15])
     assert _glide_doubt(doubts) == pytest.approx((0.15**2 - HEADING_ERROR**2) ** 0.5, abs=1e-3)

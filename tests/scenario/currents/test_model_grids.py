@@ -216,18 +216,22 @@ def test_the_places_of_a_meshs_nodes_are_told_by_their_units_not_their_order(tmp
         assert current.grid.points == pytest.approx(np.stack((made["x"], made["y"])), abs=0.01)
 
 
-def test_a_projection_places_the_mesh_and_turns_its_velocities(tmp_path):
+@pytest.mark.parametrize(("unit", "metres"), [("m", 1.0), ("km", 1000.0)])
+def test_a_projection_places_the_mesh_and_turns_its_velocities(unit, metres, tmp_path):
     """UTM zone 10 has its meridian at 123° W: at 124° W and 45° N grid north is 0.71° west of north."""
     made = ugrid(tmp_path / "mesh.nc", "node")
     x, y = Transformer.from_crs("EPSG:4326", "EPSG:32610", always_xy=True).transform(-124.0, 45.0)
     with netcdf.Dataset(tmp_path / "mesh.nc", "a") as file:
-        file["node_x"][:], file["node_y"][:] = made["x"] + x, made["y"] + y
+        file["node_x"][:], file["node_y"][:] = (made["x"] + x) / metres, (made["y"] + y) / metres
+        file["node_x"].units = file["node_y"].units = unit
         file["ucx"][:], file["ucy"][:] = 0.5, 0.0
     current = read_field([str(tmp_path / "mesh.nc")], area(projection="EPSG:32610"), "mesh.nc")
     velocity = current.velocity(0.0, 0.0, np.zeros((2, 1)))[:, 0]
     # west of its meridian the grid's north lies west of north, and its east north of east
     assert np.arctan2(velocity[1], velocity[0]) == pytest.approx(np.radians(1.0) * np.sin(np.radians(45.0)), abs=2e-4)
     assert np.hypot(*velocity) == pytest.approx(0.5, abs=1e-6)
+    away = np.hypot(made["x"], made["y"])
+    assert np.hypot(*current.grid.points) == pytest.approx(away, rel=1e-3, abs=0.1)
 
 
 def test_files_are_joined_in_time_and_the_later_forecast_counts(tmp_path):

@@ -170,6 +170,19 @@ def test_tunnel_thruster_aft(tmp_path):
     assert_on_their_curves(result.panels)
 
 
+def test_each_stated_noise_is_that_of_its_own_column(tmp_path):
+    """Moments too noisy to tell anything leave the constants as forces alone have them."""
+    data = tunnel(np.random.default_rng(7), 7.0, 0.8, lambda ratio: 0.8 - 9.0 * 0.07 * ratio)
+    settings = {"kind": "thruster", "geometry": {"diameter": "70 mm", "position": "0.8 m"}}
+    forces = {name: values for name, values in data.items() if name != "moment_n_m"}
+    both = {**settings, "noise": {"thrust": "0.2 N", "moment": "10000 N*m"}}
+    fitted = identify(write(tmp_path / "both", both, data))
+    alone = identify(write(tmp_path / "alone", {**settings, "noise": {"thrust": "0.2 N"}}, forces))
+    for name in ("thrust_constant", "decay"):
+        assert fitted[name].value == pytest.approx(alone[name].value, rel=1e-4), name
+        assert fitted[name].sd == pytest.approx(alone[name].sd, rel=1e-2), name
+
+
 def transient(rng, measured):
     """Table 1's vehicle under a swinging torque, with the momentum damping of the flow; 0.2 N of noise."""
     step, every = 0.005, 5

@@ -1,10 +1,13 @@
 """`sweep-dmax` of a mission in doubt: the best d_max of each explanation beside that over all of them."""
 
+from types import SimpleNamespace
+
 import pytest
 
 from missionplan import Mission, sweep_dmax
+from missionplan.montecarlo.statistics import wilson
 from missionplan.report.render import render_report
-from missionplan.studies.leg_length.sweep_page import answer
+from missionplan.studies.leg_length.sweep_page import _doubt_in_words, answer
 
 pytestmark = pytest.mark.usefixtures("unassumed", "unplanned", "unranked", "unheld")
 
@@ -46,6 +49,36 @@ def test_a_doubt_that_changes_the_choice_is_told():
     at = found.middle.recommended_index
     assert first.chosen == first.curve.points[at]
     assert first.excess == pytest.approx((1 + first.chosen.cost) / (1 + first.curve.recommended.cost) - 1)
+
+
+@pytest.mark.parametrize(
+    ("short", "words"),
+    [
+        (False, "with compass bias it is 300 m, and the other takes 30 % longer then"),
+        (True, "with mean current it is 200 m, and the other arrives in 40"),
+    ],
+)
+def test_of_several_doubts_that_change_the_choice_the_worst_is_told(short, words):
+    """One that no longer arrives as often as required is worse than any that takes longer."""
+    chosen = SimpleNamespace(arrived=wilson(400, 1000))
+    explanations = [
+        SimpleNamespace(
+            causes=(cause,),
+            excess=excess,
+            chosen=chosen,
+            keeps_choice=cause == "fix-error",
+            curve=SimpleNamespace(
+                recommended=SimpleNamespace(d_max=d_max),
+                reaches=lambda _, cause=cause: not short or cause != "mean-current",
+            ),
+        )
+        for cause, excess, d_max in (
+            ("mean-current", 0.1, 200.0),
+            ("compass-bias", 0.3, 300.0),
+            ("fix-error", 0.9, 9.0),
+        )
+    ]
+    assert words in _doubt_in_words(SimpleNamespace(explanations=explanations)).replace("\u00a0", " ")
 
 
 def test_a_doubt_that_leaves_the_choice_is_told_too():

@@ -356,6 +356,20 @@ def test_legs_for_a_deadline_are_on_time_as_often_as_any_other_plan(learning, mo
     assert "common trials" in plan.how_found
 
 
+@pytest.mark.parametrize(
+    ("aim", "asked", "required"),
+    [
+        (LegAim("mean"), 0.5, 0.5),
+        (LegAim("energy"), 0.0, 0.0),
+        (LegAim("p95"), 0.5, 0.95),
+        (LegAim("p95"), 0.99, 0.99),
+        (LegAim("p95", 3450.0), 0.5, 0.5),
+    ],
+)
+def test_a_time_that_19_of_20_keep_needs_as_many_to_arrive_but_a_deadline_of_the_mission_none(aim, asked, required):
+    assert aim.required(SimpleNamespace(required_arrival=asked)) == required
+
+
 @pytest.mark.usefixtures("unsought")
 def test_p95_uses_the_deadline_of_the_mission(tmp_path, monkeypatch):
     monkeypatch.setattr(optimise_legs, "DEADLINE_FAMILY", PolicyFamily((1.0,), (1.0,)))

@@ -30,6 +30,7 @@ from missionplan.studies.rare_failure.driven_trials import (
     RareEvent,
     discrete_values,
     units_of_inputs,
+    variation_asked,
 )
 from missionplan.studies.rare_failure.page import _value, event_in_words
 from missionplan.studies.simulation.simulate import simulate
@@ -311,3 +312,14 @@ def test_what_is_unlike_usual_is_weighed_and_drawn_in_half_of_the_failures_or_mo
         ("b", 9.0, 9.0, "m"),
         ("a", 3.0, 3.0, "m"),
     ]
+
+
+@pytest.mark.parametrize(
+    ("precision", "value"), [(None, 0.1), ("5%", 0.05), (" 0.05 ", 0.05), ("30 %", 0.3), ("100%", None), ("0", None)]
+)
+def test_the_precision_asked_for_is_a_share_or_a_percentage(precision: str | None, value: float | None) -> None:
+    if value is not None:
+        assert variation_asked(precision) == pytest.approx(value)
+    else:
+        with pytest.raises(InputError, match="expected a coefficient of variation"):
+            variation_asked(precision)

@@ -17,7 +17,9 @@ from missionplan.report.explained import first_do
 from missionplan.report.render import terminal_view
 from missionplan.results.decision import Assumption
 from missionplan.results.failures import SUCCESS, Counted, CountedKind
+from missionplan.scenario.scenario import Scenario
 from missionplan.studies.judgement import Doubt, _spoilt, doubts_of, ledger
+from missionplan.studies.simulation.trial_block import run_block
 
 pytestmark = pytest.mark.usefixtures("unplanned", "unranked", "unheld")
 
@@ -54,6 +56,15 @@ def test_a_current_that_is_not_exact_is_worth_what_the_normal_distribution_says(
     assert found.worth == pytest.approx(expected - 1.0, abs=0.08)
     assert found.missed == ("out.arrived",)
     assert found.turns
+
+
+def test_a_longer_run_of_the_mission_is_counted_over_the_ledger_s_own_trials(one_leg):
+    """So that what is put off is compared on the same draws: as where the ledger runs the mission itself."""
+    mission = one_leg("0 m/s").with_({"navigation.velocity_error.sigma": "0.04 m/s"})
+    run = run_block(Scenario.at_means(mission).sampled(seed=3, block=0, size=1000), 3, 0, 1000)
+    (found,) = ledger(mission, 3, run)
+    assert 0.0 < found.success < found.success - found.worth < 1.0
+    assert (found,) == ledger(mission, 3)
 
 
 def test_the_headline_is_green_only_where_no_assumption_could_turn_it(one_leg):

@@ -10,10 +10,12 @@ from simulate_missions import EXACT, chesapeake
 
 from missionplan.errors import InputError
 from missionplan.mission import load
+from missionplan.montecarlo.statistics import Count
 from missionplan.report.simulation.page import answer
 from missionplan.scenario.phases import dive_of
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import recorded_current
+from missionplan.studies.simulation import check_trials
 from missionplan.studies.simulation.simulate import simulate, simulate_block
 from missionplan.studies.simulation.trial_block import run_block
 
@@ -290,6 +292,15 @@ def test_a_record_that_some_trials_outlast_fails_them_or_the_run(tmp_path):
     often = {"phases.1.moor.galvanic_release": {"choices": ["10 min"] * 19 + ["8 h"]}}
     with pytest.raises(InputError, match=r"% of the trials leave the record .*at most 1 % may .*outside: hold"):
         simulate(chesapeake(tmp_path, STEADY | csv(tmp_path, steady) | often), trials=400, sheet=False)
+
+
+def test_one_trial_in_a_hundred_may_leave_the_record(tmp_path):
+    mission = chesapeake(tmp_path, STEADY | csv(tmp_path, steady))
+    means = Scenario.at_means(mission, recorded_current(mission))
+    check_trials(means, None)
+    check_trials(means, Count(4, 400))
+    with pytest.raises(InputError, match=r"1\.25 % of the trials leave the record"):
+        check_trials(means, Count(5, 400))
 
 
 @pytest.mark.parametrize("outside", ["hold", "zero"])
