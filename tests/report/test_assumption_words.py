@@ -5,7 +5,7 @@ import math
 import pytest
 
 from missionplan.report.explained import with_assumptions
-from missionplan.report.page import Page
+from missionplan.report.page import Page, PageSection
 from missionplan.results.decision import Assumption
 
 CALM = Assumption("it is calm", "a swell", 0.03, 0.93, is_required=True)
@@ -36,6 +36,15 @@ def told(assumed, verdict="good"):
 def test_the_heading_names_what_matters_most_for_better_or_worse(assumed, heading):
     (section,) = told(assumed).sections
     assert section.heading.replace("\u00a0", " ") == heading
+
+
+@pytest.mark.parametrize("summaries", [0, 1, 2])
+def test_they_stand_after_what_sums_the_answer_up_and_before_the_rest(summaries):
+    headings = [f"{number}" for number in range(3)]
+    sections = [PageSection(heading, [], is_summary=int(heading) < summaries) for heading in headings]
+    page = with_assumptions(Page("", "So it is.", (), lambda: sections, lambda: ((), ())), [EXACT])
+    headings.insert(summaries, "None of these assumptions alone could turn this")
+    assert [section.heading for section in page.sections] == headings
 
 
 def test_each_assumption_has_a_row_with_success_then_and_its_change():

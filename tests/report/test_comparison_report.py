@@ -140,6 +140,7 @@ def test_numbers_of_a_sweep_are_named_in_words(comparison):
     assert rows(swept)["mean cost at d_max = 48\u00a0m"][-1] == "+10.00\u00a0±\u00a00.10\u00a0%"
     assert "the mean cost at d_max = 48\u00a0m (+10.00\u00a0±\u00a00.10\u00a0%)" in answer(swept)
     assert "mean cost at the recommended d_max" in rows(swept)
+    assert swept.deciding == swept.differences[1:]
     two = replace(swept, differences=(cost(("one_leg",)), cost(("one_leg",), 0.07)))
     assert "mean cost in one leg (σ_v = 0.07\u00a0m/s)" in rows(two)
 

@@ -28,3 +28,10 @@ def test_of_weights_that_do_as_well_at_best_the_lightest_is_told():
         demand = Demand("dives succeed", required, lambda each: each.share)
         tried = _Tried(None, [demand], None, 0.1, dict(found))
         assert tried._at_best(demand) == f"dives succeed in 70.0 % of dives at best, with 11 N{more}"
+
+
+def test_of_weights_that_miss_by_as_much_the_lightest_is_the_compromise():
+    demand = Demand("dives succeed", 0.9, lambda found: found.share)
+    tried = _Tried(lambda weight, _line: SimpleNamespace(share=0.5 if weight > 4.5 else 0.3), [demand], 5.0, 0.1)
+    tried.slacks(4.0), tried.slacks(5.0), tried.slacks(9.0)
+    assert 4.5 < tried.compromise() < 4.6
