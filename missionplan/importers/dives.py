@@ -93,7 +93,8 @@ def from_surface(track: Track, good: Fixes) -> tuple[Track, float, str]:
     track = downwards(track)
     depth = track.depth
     if not len(depth):
-        return track, 0.0, "assumed"
+        notice = f"no depth is logged: a dive is what lies between fixes {_SILENT:g} s or more apart"
+        return replace(track, notices=(*track.notices, notice)), 0.0, "assumed"
     zero, by = _surface_reading(depth, track.at_surface, good)
     if abs(zero) <= _ABOVE:
         return track, 0.0, by

@@ -55,6 +55,8 @@ def moved(latitude: Scalars, longitude: Scalars, east: Scalars, north: Scalars) 
     return np.asarray(new), np.asarray(np.asarray(longitude) + np.asarray(east) / per_east)
 
 
+_FARTHEST = 300e3
+"""Of positions in a plane about their origin [m]."""
 _NEAR = 120.0
 """How far in time a fix may be from the first position for the origin to be found from both [s]."""
 
@@ -78,7 +80,7 @@ def origin_of(name: MappedName | None) -> tuple[float, float] | None:
 def plane_positions(t: Array, east: Array, north: Array, fixes: Fixes, origin: tuple[float, float] | None) -> Positions:
     """Turn metres into latitude and longitude.
 
-    Raises InputError when there is no origin, and no fix near a position.
+    Raises InputError when there is no origin, and no fix near a position, or they are of no plane about one.
 
     `t`, `east`, `north`, shape (n,): time since 1970 [s], position from the origin [m]. `fixes`: by which the origin is
     found where it is not given: the position nearest in time to a fix is that fix. `origin`: latitude and longitude of
@@ -88,6 +90,12 @@ def plane_positions(t: Array, east: Array, north: Array, fixes: Fixes, origin: t
     t, east, north = t[there], east[there], north[there]
     if not len(t):
         return Positions()
+    away = float(np.hypot(east, north).max())
+    if away > _FARTHEST:
+        message = (
+            f"positions are {away / 1e3:.0f} km from their origin: metres of a projection such as UTM, whose north"
+        )
+        raise InputError([Problem(f"{message} is not true", key="map", hint="give latitudes and longitudes")])
     place = _place(*origin) if origin is not None else _found(t, east, north, fixes)
     latitude, longitude = to_geographic(east, north, place)
     return positions(t, np.degrees(latitude), np.degrees(longitude))

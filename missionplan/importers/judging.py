@@ -84,7 +84,7 @@ def judge_fixes(fixes: Fixes) -> JudgedFixes:
 
 def fix_sd(fixes: Fixes) -> Array:
     """Standard deviation of fixes, each axis, shape (n,) [m]; nan where nothing is known."""
-    by_dilution = fixes.hdop * RANGE_ERROR
+    by_dilution = np.where(fixes.hdop > 0.0, fixes.hdop, np.nan) * RANGE_ERROR
     return np.asarray(np.where(np.isfinite(fixes.accuracy), fixes.accuracy, by_dilution) / np.sqrt(2.0))
 
 
@@ -98,7 +98,10 @@ def _reasons_of_quality(fixes: Fixes) -> NDArray[np.object_]:
         few = (fixes.satellites < FEWEST_SATELLITES) & ~(fixes.valid == 1.0)
         counted = np.any(fixes.satellites >= FEWEST_SATELLITES)
         reasons[few & counted] = f"fewer than {FEWEST_SATELLITES} satellites"
-        reasons[(fixes.hdop > WORST_HDOP) | (fixes.hdop <= 0.0)] = f"dilution of precision above {WORST_HDOP:g}"
+        is_stated = np.any(fixes.hdop > 0.0)  # one that is always 0 was not logged
+        reasons[(fixes.hdop > WORST_HDOP) | ((fixes.hdop <= 0.0) & is_stated)] = (
+            f"dilution of precision above {WORST_HDOP:g}"
+        )
         reasons[(fixes.accuracy > WORST_ACCURACY)] = f"stated accuracy worse than {WORST_ACCURACY:g} m"
         reasons[(fixes.satellites == 0.0) & few & counted] = _UNSEEN
         reasons[fixes.valid == 0.0] = _FLAGGED

@@ -217,6 +217,38 @@ def test_bags_of_any_kind_names_types_and_frames_say_the_same(plain, tmp_path, k
         np.testing.assert_allclose(found.table["heading_deg"], plain.table["heading_deg"], atol=0.2)
 
 
+def test_what_a_bag_does_not_say_is_told_or_refused(plain, tmp_path):
+    """Stamps an hour off the record; a depth that is none; positions in metres of a projection."""
+
+    class Stamped(Bag):
+        def header(self, t, frame="map"):
+            return super().header(t + 3600.0, frame)
+
+    class Projected(Bag):
+        def pose(self, topic, t, east, north, *more, **others):
+            super().pose(topic, t, east + 5e5, north + 5.3e6, *more, **others)
+
+    with Stamped(tmp_path / "stamped") as bag:
+        fill(bag, flat=True)
+    found = import_logs([tmp_path / "stamped"])
+    agree(plain, found, metres=2.0, seconds=3600.1)
+    assert "stamps count as times, which are 3600 s after the record of their messages" in found.provenance.notices
+    assert "axes are taken as east, north, up" in found.provenance.notices
+    with Projected(tmp_path / "projected") as bag:
+        fill(bag)
+    with pytest.raises(InputError, match=r"positions are 53\d\d km from their origin: metres of a projection"):
+        import_logs([tmp_path / "projected"])
+
+
+def test_a_log_without_depths_says_what_a_dive_is(tmp_path):
+    messages = imc_messages()
+    for each in messages:
+        if hasattr(each, "depth"):
+            each.depth = -1.0  # none
+    notices = import_logs([lsf(tmp_path / "Data.lsf", messages)]).provenance.notices
+    assert "no depth is logged: a dive is what lies between fixes 60 s or more apart" in notices
+
+
 def test_a_file_of_a_bag_without_its_description_is_read(plain, tmp_path):
     for kind in ("mcap", "db3"):
         with Bag(tmp_path / kind, kind) as bag:

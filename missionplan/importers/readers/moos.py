@@ -172,7 +172,8 @@ def _add(store: ChannelStore, path: Path, names: Mapping[bytes, str], start: flo
             name = cells[1].upper()
             try:
                 if name in names:
-                    samples.setdefault(names[name], Samples(["t", "value"])).add(float(cells[0]), float(cells[3]))
+                    reading = float(cells[0]), float(cells[3].strip(b'"\r\n '))
+                    samples.setdefault(names[name], Samples(["t", "value"])).add(*reading)
                 elif name == _REPORT:
                     for quantity, value in _of_report(cells[3]):
                         samples.setdefault(f"report {quantity}", Samples(["t", "value"])).add(float(cells[0]), value)

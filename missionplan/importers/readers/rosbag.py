@@ -34,10 +34,12 @@ _TYPES = {
 }  # fmt: skip
 """Of each quantity, in the order in which they are preferred."""
 _COLUMNS = {
-    "gps": ("t", "lat", "lon", "accuracy", "valid"),
+    "gps": ("t", "lat", "lon", "accuracy", "valid", "arrived"),
     "odometry": ("t", "x", "y", "z", "yaw", "pitch", "ned"),
-    "depth": ("t", "depth"),
+    "depth": ("t", "depth", "stamped"),
 }
+_DELAY = 10.0
+"""Time between a fix and its record that is no delay [s]."""
 _SECOND_FORMAT = (".db3", ".mcap")
 _DOWNWARDS = re.compile(r"(?<![a-z])ned(?![a-z])")
 """In the name of a frame: a word, unlike that in `aligned`."""
@@ -133,7 +135,7 @@ def _fix(message: Any, logged: float) -> tuple[float, ...]:
     is_stated = message.position_covariance_type > 0 and covariance[0] > 0.0
     valid = message.status.status >= 0
     accuracy = math.sqrt(covariance[0] + covariance[4]) if is_stated and valid else math.nan
-    return _time(message, logged), message.latitude, message.longitude, accuracy, float(valid)
+    return _time(message, logged), message.latitude, message.longitude, accuracy, float(valid), logged
 
 
 def _odometry(message: Any, logged: float) -> tuple[float, ...]:
@@ -154,8 +156,8 @@ def _odometry(message: Any, logged: float) -> tuple[float, ...]:
 
 def _depth(message: Any, logged: float) -> tuple[float, ...]:
     if hasattr(message, "fluid_pressure"):
-        return _time(message, logged), message.fluid_pressure / PASCALS_A_METRE
-    return logged, float(message.data)
+        return _time(message, logged), message.fluid_pressure / PASCALS_A_METRE, 1.0
+    return logged, float(message.data), 0.0
 
 
 _VALUES = {"gps": _fix, "odometry": _odometry, "depth": _depth}
@@ -184,6 +186,11 @@ def _track(
     parts = [plane_positions(line["t"], line[east], line[north], gps_fixes, origin) for line in lines]
     turned = np.degrees(joined("yaw")) if is_down else 90.0 - np.degrees(joined("yaw"))
     own_depth = series(t, z if is_down else -z) if np.any(z) else Series()
+    off = float(np.median(fixed["arrived"] - fixed["t"])) if len(fixed) else 0.0
+    off = off if abs(off) > _DELAY else 0.0
+    way = "before" if off > 0.0 else "after"
+    late = [f"stamps count as times, which are {abs(off):.0f} s {way} the record of their messages"] if off else []
+    deep_t = deep["t"] - off * (deep["stamped"] == 0.0)
     notices = [f"{quantity} from the topic {topic}" for quantity, topic in chosen.items() if topic]
     return Track(
         name=files[0].stem,
@@ -191,11 +198,15 @@ def _track(
         fixes=gps_fixes,
         reckoned=positions(**columns_of(Positions, parts)),
         reckoning=f"the vehicle's own ({chosen.get('odometry', 'no odometry')})",
-        depth=series(deep["t"], deep["depth"]) if len(deep) else own_depth,
+        depth=series(deep_t, deep["depth"]) if len(deep) else own_depth,
         pitch=series(t, np.degrees(joined("pitch"))),
         heading=series(t, turned % 360.0),
         heading_from="true",
-        notices=(*notices, *(["axes are taken as north, east, down"] if is_down else [])),
+        notices=(
+            *notices,
+            f"axes are taken as {'north, east, down' if is_down else 'east, north, up'}",
+            *late,
+        ),
     )
 
 

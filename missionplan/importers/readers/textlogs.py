@@ -39,6 +39,8 @@ _COLUMNS = {
     "reckoned": ("deadreckoning", "dead_reckoning"),
 }
 """Names of the columns in small letters, as firmware versions have them."""
+_FLAGS = {"true": "1", "false": "0"}
+_NUMBERS = ("depth", "heading", "pitch", "declination", "state")
 _NEEDED = ("time", "lat", "lon", "depth")
 _MARKS = {"timestamp", "navstate", "heading", "depth"}
 """Columns by which such a log is recognised."""
@@ -121,14 +123,18 @@ def _parts(path: Path) -> Iterator[dict[str, Array]]:
 
 
 def _columns(words: Mapping[str, "pd.Series[str]"]) -> dict[str, Array]:
-    numbers = {role: plain_numbers(column) for role, column in words.items() if role not in ("time", "lat", "lon")}
+    numbers = {role: plain_numbers(column) for role, column in words.items() if role in _NUMBERS}
+    if "reckoned" in words:
+        numbers["reckoned"] = plain_numbers(words["reckoned"].str.strip().str.lower().replace(_FLAGS))
     latitude, longitude = (angles(words[role], "ddmm") for role in ("lat", "lon"))
     moved = np.append(True, (np.diff(latitude) != 0.0) | (np.diff(longitude) != 0.0))[: len(latitude)]
     is_fix = moved & ~(numbers.get("reckoned", np.zeros(len(moved))) == 1.0)
     kept = {"keep": is_fix.astype(float)} if np.mean(is_fix) < _MOST_FIXES else {}
     few = words["time"].iloc[:: max(len(moved) // 50, 1)]
     form = max(_TIMES, key=lambda name: int(np.isfinite(times(few, name)).sum()))  # that which fits most of them
-    return {"t": times(words["time"], form), "lat": latitude, "lon": longitude, **numbers, **kept}
+    t = times(words["time"], form)
+    track.check_cells(words["time"], t, MappedName("Timestamp", form), is_first=True)
+    return {"t": t, "lat": latitude, "lon": longitude, **numbers, **kept}
 
 
 _IVER_COLUMNS = {

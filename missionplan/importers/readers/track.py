@@ -102,7 +102,7 @@ def _parts(path: Path, head: bytes, names: Mapping[str, MappedName]) -> Iterator
         part = _of_text(chunk, columns)
         for quantity, column in columns.items():
             values = part["t" if quantity == "time" else quantity]
-            _check_cells(chunk[column.name], values, column, is_first=number == 0)
+            check_cells(chunk[column.name], values, column, is_first=number == 0)
         yield part
 
 
@@ -115,7 +115,7 @@ def _check_heading(quantity: str, heading: str, words: "pd.Series[str]") -> None
         raise ValueError(f"the column {heading!r} counts toward south or west: write its degrees below 0, or 123.5 W")
 
 
-def _check_cells(words: "pd.Series[str]", values: Array, asked: MappedName, *, is_first: bool) -> None:
+def check_cells(words: "pd.Series[str]", values: Array, asked: MappedName, *, is_first: bool) -> None:
     """Refuse times and numbers that are not of the form asked for: day and month exchanged are read up to the 12th.
 
     Raises PartlyReadError where rows before were read.

@@ -185,7 +185,9 @@ def head(t=3.25, frame="map"):
 def test_a_fix_of_ros(kind, variance, status, accuracy):
     fix = Message(header=head(), latitude=48.5, longitude=-123.25, position_covariance=np.diag([variance, 9.0, 100.0]).ravel(),
                   position_covariance_type=kind, status=Message(status=status))  # fmt: skip
-    assert rosbag._fix(fix, 99.0) == pytest.approx((3.25, 48.5, -123.25, accuracy, float(status >= 0)), nan_ok=True)
+    assert rosbag._fix(fix, 99.0) == pytest.approx(
+        (3.25, 48.5, -123.25, accuracy, float(status >= 0), 99.0), nan_ok=True
+    )
     fix.header = head(0.0)
     assert rosbag._fix(fix, 99.0)[0] == 99.0  # no time in the header: that of its arrival
 
@@ -201,8 +203,8 @@ def test_a_pose_of_ros_is_turned_as_its_quaternion_says(angles):
 
 
 def test_depths_of_ros_and_which_way_is_up():
-    assert rosbag._depth(Message(header=head(), fluid_pressure=25_000.0), 99.0) == (3.25, 2.5)
-    assert rosbag._depth(Message(data=7.5), 99.0) == (99.0, 7.5)
+    assert rosbag._depth(Message(header=head(), fluid_pressure=25_000.0), 99.0) == (3.25, 2.5, 1.0)
+    assert rosbag._depth(Message(data=7.5), 99.0) == (99.0, 7.5, 0.0)
     z = np.linspace(0.0, 30.0, 100)
     assert [rosbag._is_downwards(each) for each in (z, -z, z - 15.0, 0.01 * z, z[:0])] == [
         True,

@@ -11,9 +11,10 @@ import pytest
 from missionplan.errors import InputError
 from missionplan.importers.geodesy import displacement, metres_per_degree, model_declination
 from missionplan.importers.importer import ChannelStore, PartlyReadError, Samples
+from missionplan.importers.judging import judge_fixes
 from missionplan.importers.mapping import MappedName, times
 from missionplan.importers.readers import ardupilot, moos
-from missionplan.importers.readers.track import _check_cells, _marks
+from missionplan.importers.readers.track import _marks, check_cells
 from missionplan.importers.reckoning import HEADING_ERROR
 from missionplan.importers.starter import _glide_doubt
 from missionplan.importers.track import Track, fixes, possible, series
@@ -84,7 +85,7 @@ def test_times_of_another_form_are_refused_and_damaged_ones_passed_by():
 
     def check(*words, is_first=True):
         words = pd.Series(words, dtype=str)
-        _check_cells(words, times(words, asked.unit), asked, is_first=is_first)
+        check_cells(words, times(words, asked.unit), asked, is_first=is_first)
 
     with pytest.raises(ValueError, match="1 of 2 times in clock are not as %m/%d/%Y %H:%M:%S says: '12h'"):
         check("", "12h")
@@ -142,3 +143,11 @@ def test_angles_that_may_be_radians_are_told():
     told = possible(Track("a", "b", fixes(t, near, -2.0 * near), heading=series(t, turn))).notices
     assert [each.partition(" lie")[0] for each in told] == ["its fixes", "its headings"]
     assert not possible(Track("a", "b", fixes(t, near + 1.0, none), heading=series(t, 10.0 * turn))).notices
+
+
+def test_a_dilution_that_is_always_nil_was_not_logged():
+    t, none = np.arange(3.0), np.zeros(3)
+    assert len(judge_fixes(fixes(t, none + 48.0, none, hdop=none)).good) == 3
+    some = judge_fixes(fixes(t, none + 48.0, none, hdop=np.array([1.0, 1.0, 0.0]), valid=none + 1.0))
+    assert np.isnan(judge_fixes(fixes(t, none + 48.0, none, hdop=none)).sd).all()
+    assert some.by.tolist() == ["flag", "flag", "neighbours"]
