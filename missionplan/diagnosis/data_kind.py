@@ -12,11 +12,9 @@ from missionplan.datasets import dataset_kind
 from missionplan.datasets.records import HasIdentities, is_learned
 from missionplan.diagnosis.coordinates import Coordinate
 from missionplan.diagnosis.given import GivenEffect
-from missionplan.diagnosis.inference.experiment_design import DirectMeasurement
 from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.inference.selection import Selection, WeighsAllSets
 from missionplan.diagnosis.plan_gain import anchor_choice, plan_gain
-from missionplan.effects import CATALOGUE
 from missionplan.mission import Mission
 from missionplan.montecarlo.posterior import NOWHERE, Place
 from missionplan.results.learned import PlanGain
@@ -72,15 +70,6 @@ class DataKind(ABC):
     def is_known(self) -> bool:
         """Whether the mission has learned from all of these data: they teach it nothing more."""
         return bool(is_learned(self.data, self.mission.learned_from).all())
-
-    @property
-    def direct_measurements(self) -> Mapping[str, DirectMeasurement]:
-        """Instruments that measure one effect by itself, by effect, as the catalogue declares them."""
-        return {
-            info.id: DirectMeasurement(info.instrument.description, info.instrument.parameter, info.instrument.sd)
-            for info in CATALOGUE.values()
-            if info.instrument is not None
-        }
 
     @property
     def model_coordinates(self) -> Sequence[Coordinate]:
@@ -143,10 +132,6 @@ class DataKind(ABC):
     def calibration(self, best: CauseFit) -> dict[str, float]:
         """Return the base model's nuisance parameters as fitted, and what else the reader may set beside them."""
         return dict(best.calibration)
-
-    def as_reported(self, fit: CauseFit) -> CauseFit:
-        """Return a fit with its estimates as they are reported, where these take longer than those of a search."""
-        return fit
 
     def carried(self, best: CauseFit, scale: float) -> CauseFit:
         """Return a fit as a mission's effects carry it: random errors scaled, without what its other keys state."""

@@ -12,16 +12,14 @@ from threadpoolctl import threadpool_limits
 
 from missionplan.datasets import files_outside
 from missionplan.diagnosis.data_kind import DataKind
+from missionplan.diagnosis.experiment_design import Discrimination, discriminations
 from missionplan.diagnosis.explanations import Weighed, hypotheses, odds, weighed, weighed_with_causes, with_found
 from missionplan.diagnosis.extended_mission import extended_mission
 from missionplan.diagnosis.given import forecast_notice
-from missionplan.diagnosis.inference.experiment_design import Discrimination, discriminations
-from missionplan.diagnosis.inference.model import CauseFit
 from missionplan.diagnosis.inference.selection import Candidate
 from missionplan.diagnosis.pipeline import PipelineResult, judge, read, run_pipeline
 from missionplan.diagnosis.plan_gain import with_urgency
 from missionplan.mission import Mission, MissionOrPath
-from missionplan.montecarlo.blocks import parallel_map
 from missionplan.results import Provenance
 from missionplan.results.learned import Diagnosis, PlanGain
 from missionplan.results.learned.evidence import GroupScore, Judgement, RankedSet
@@ -36,7 +34,7 @@ Progress = Callable[[int, int], None]
 
 SEPARATED = 2
 """Rivals for which a next measurement is sought."""
-STAGES = 8
+STAGES = 6
 NO_TRIAL = "no further trial is valued: that needs data which the mission has not learned from"
 
 
@@ -116,8 +114,7 @@ def _diagnose(
     bound = explanations[0].bound
     stage()
     is_new = not bound.is_known
-    pipeline_result = run_pipeline(bound.model, lambda *_: stage(), jobs, search=is_new, selection=selection)
-    pipeline_result = as_reported(bound, pipeline_result, jobs)
+    pipeline_result = run_pipeline(bound.model, stage, jobs, search=is_new, selection=selection)
     if not is_new:  # the mission's own effects are as they were known before
         base = replace(pipeline_result.selection.base, given=bound.known)
         pipeline_result = replace(pipeline_result, selection=replace(pipeline_result.selection, base=base), best=base)
@@ -182,7 +179,7 @@ def _separated(
     """Next measurements that separate the first rivals from the claimed set."""
     fits = {candidate.causes: candidate.fit for candidate in pipeline_result.selection.ranking}
     rivals = [fits[causes] for causes in judgement.rivals if causes in fits][:SEPARATED]
-    return discriminations(bound.model, pipeline_result.best, rivals, bound.direct_measurements, jobs)
+    return discriminations(bound.model, pipeline_result.best, rivals, jobs)
 
 
 def _result(
@@ -238,34 +235,13 @@ LISTED = 12
 """Sets of the ranking that are reported."""
 
 
-def as_reported(bound: DataKind, pipeline_result: PipelineResult, jobs: int = 1) -> PipelineResult:
-    """Return what was found with the estimates of the base model and of the sets listed as they are reported."""
-    ranking = pipeline_result.selection.ranking
-    base, *reported = parallel_map(
-        partial(_reported_fits, bound),
-        [pipeline_result.selection.base, *(candidate.fit for candidate in ranking[:LISTED])],
-        jobs=jobs,
-    )
-    listed = tuple(replace(candidate, fit=fit) for candidate, fit in zip(ranking, reported, strict=False))
-    fits = {candidate.causes: candidate.fit for candidate in (*listed, *ranking[LISTED:])}
-    return replace(
-        pipeline_result,
-        selection=replace(pipeline_result.selection, base=base, ranking=listed + ranking[LISTED:]),
-        best=fits.get(pipeline_result.best.causes, base),
-    )
-
-
-def _reported_fits(bound: DataKind, fits: Sequence[CauseFit]) -> list[CauseFit]:
-    return [bound.as_reported(fit) for fit in fits]
-
-
 def _ranked(pipeline_result: PipelineResult, candidate: Candidate, share: float) -> RankedSet:
     held_out = pipeline_result.held_out.get(candidate.causes)
     return RankedSet(
         candidate.causes,
         candidate.log_bayes_factor,
         candidate.score,
-        pipeline_result.posterior.get(candidate.causes),
+        pipeline_result.selection.posterior.get(candidate.causes),
         candidate.fit.estimates,
         held_out.gain if held_out else None,
         share,

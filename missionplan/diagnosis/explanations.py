@@ -242,7 +242,9 @@ def possible_fits(
     fits = {candidate.causes: candidate.fit for candidate in pipeline_result.selection.ranking} | {
         (): pipeline_result.selection.base
     }
-    shares = _stationary({causes: share for causes, share in pipeline_result.posterior.items() if causes in fits}, fits)
+    shares = _stationary(
+        {causes: share for causes, share in pipeline_result.selection.posterior.items() if causes in fits}, fits
+    )
     total = sum(shares.values())
     masses = explanation_weights(explanations)
     if first.extended is not None:

@@ -1,7 +1,7 @@
 """What a diagnosis does to a model and its data, in the order of its steps, and what may be said of what it found."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -21,11 +21,9 @@ from missionplan.diagnosis.inference.model import (
 from missionplan.diagnosis.inference.selection import (
     LIKELY,
     Candidate,
-    Progress,
     Selection,
     WeighsAllSets,
     inclusion,
-    no_progress,
     rivals,
 )
 from missionplan.effects import CATALOGUE
@@ -42,51 +40,40 @@ from missionplan.results.learned.evidence import (
 )
 
 
-@dataclass(frozen=True)
-class Reading:
-    """What a posterior says."""
+def claimed_set(selection: Selection) -> Causes:
+    """Return the likeliest set, where something is there; of a family its likeliest member.
 
-    posterior: Mapping[Causes, float]
-    """Probability of each set of causes."""
-    nothing: float
-    """That nothing is there: no cause, and nothing that no cause explains."""
-    none_of_these: float
-    """That something which no cause explains is there."""
-    families: Sequence[Sequence[Causes]] = ()
-    """Sets that differ in nothing that these data show, and that are told as one."""
+    Where something without a name is likely, named causes that may as well not be there are left out.
+    """
+    posterior = selection.posterior
+    if 1.0 - selection.nothing < SURE or not posterior:
+        return ()
+    likeliest = max(posterior, key=lambda causes: posterior[causes])
+    named = tuple(name for name in likeliest if CATALOGUE[name].tier != "neutral")
+    if selection.none_of_these < LIKELY or not named or _probability(selection, named) >= SURE:
+        return likeliest
+    rest = tuple(name for name in likeliest if name not in named)
+    return rest if rest in posterior else ()
 
-    @property
-    def claimed(self) -> Causes:
-        """The likeliest set, where something is there; of a family its likeliest member.
 
-        Where something without a name is likely, named causes that may as well not be there are left out.
-        """
-        if 1.0 - self.nothing < SURE or not self.posterior:
-            return ()
-        likeliest = max(self.posterior, key=lambda causes: self.posterior[causes])
-        named = tuple(name for name in likeliest if CATALOGUE[name].tier != "neutral")
-        if self.none_of_these < LIKELY or not named or self.probability(named) >= SURE:
-            return likeliest
-        rest = tuple(name for name in likeliest if name not in named)
-        return rest if rest in self.posterior else ()
+def _probability(selection: Selection, causes: Causes) -> float:
+    """Probability of a set, its supersets and those of the sets told as one with it counted."""
+    alike = next((family for family in selection.families if causes in family), (causes,))
+    return sum(p for other, p in selection.posterior.items() if any(set(one) <= set(other) for one in alike))
 
-    def probability(self, causes: Causes) -> float:
-        """Probability of a set, its supersets and those of the sets told as one with it counted."""
-        alike = next((family for family in self.families if causes in family), (causes,))
-        supersets = [other for other in self.posterior if any(set(one) <= set(other) for one in alike)]
-        return sum(self.posterior[other] for other in supersets)
 
-    def verdict(self, *, is_constant: bool = True) -> Verdict:
-        """Return the first verdict that fits: no model is adequate where something without a name is likely."""
-        if 1.0 - self.nothing < SURE:
-            return "unexplained" if self.none_of_these >= LIKELY else "adequate"
-        claimed = self.claimed
-        if not is_physical(claimed) or sum(p for causes, p in self.posterior.items() if is_physical(causes)) < LIKELY:
-            return "unexplained"
-        if self.none_of_these >= LIKELY or not is_constant:
-            return "partly-explained"
-        is_all = self.probability(claimed) >= SURE and self.none_of_these <= 1.0 - SURE
-        return "explained" if is_all else "ambiguous"
+def verdict_of(selection: Selection, *, is_constant: bool = True) -> Verdict:
+    """Return the first verdict that fits: no model is adequate where something without a name is likely."""
+    none_of_these = selection.none_of_these
+    if 1.0 - selection.nothing < SURE:
+        return "unexplained" if none_of_these >= LIKELY else "adequate"
+    claimed = claimed_set(selection)
+    if not is_physical(claimed) or sum(p for causes, p in selection.posterior.items() if is_physical(causes)) < LIKELY:
+        return "unexplained"
+    if none_of_these >= LIKELY or not is_constant:
+        return "partly-explained"
+    is_all = _probability(selection, claimed) >= SURE and none_of_these <= 1.0 - SURE
+    return "explained" if is_all else "ambiguous"
 
 
 def is_physical(causes: Causes) -> bool:
@@ -107,8 +94,6 @@ OutlyingGroups = tuple[OutlyingGroup, ...]
 class PipelineResult:
     """Everything that was found."""
 
-    reading: Reading
-    """What the posterior says."""
     best: CauseFit
     """The claimed set's fit, else the base model's."""
     selection: Selection
@@ -121,25 +106,10 @@ class PipelineResult:
     outlying_groups: OutlyingGroups
     """Groups that the best model cannot explain, with p-values."""
 
-    @property
-    def posterior(self) -> Mapping[Causes, float]:
-        """Probability of each set."""
-        return self.selection.posterior
-
-    @property
-    def credible_set(self) -> tuple[Causes, ...]:
-        """Sets that hold 95 % of the probability, best first."""
-        return self.selection.credible
-
-    @property
-    def verdict(self) -> Verdict:
-        """What the posterior says, whether causes hold still not asked."""
-        return self.reading.verdict()
-
 
 def run_pipeline(
     model: WeighsAllSets,
-    progress: Progress = no_progress,
+    stage: Callable[[], None] = lambda: None,
     jobs: int = 1,
     *,
     search: bool = True,
@@ -153,8 +123,8 @@ def run_pipeline(
     ----------
     model : WeighsAllSets
         Base model and catalogue, bound to the data.
-    progress : callable
-        Called with what is being done.
+    stage : callable
+        Called after the search, after held-out predictions and after the tests of what is left.
     jobs : int
         Processes.
     search : bool
@@ -163,37 +133,38 @@ def run_pipeline(
         All sets of causes, where they have been searched.
     """
     try:
-        selection = selection or (model.all_sets(progress, jobs) if search else _base_alone(model))
+        weighed = selection or (model.all_sets(jobs) if search else _base_alone(model))
     except np.linalg.LinAlgError as error:
         raise RunError(f"the base model cannot be fitted: {error}") from error
-    held_out = _held_out(model, selection, progress, jobs)
-    fits = {one.causes: one.fit for one in selection.ranking} | {(): selection.base}
-    progress("testing what is left", 0, 1)
-    likeliest = fits.get(max(selection.posterior, key=lambda causes: selection.posterior[causes]), selection.base)
-    wanted = [selection.base] if likeliest is selection.base else [selection.base, likeliest]
+    stage()
+    held_out = _held_out(model, weighed, jobs)
+    stage()
+    fits = {one.causes: one.fit for one in weighed.ranking} | {(): weighed.base}
+    likeliest = fits.get(max(weighed.posterior, key=lambda causes: weighed.posterior[causes]), weighed.base)
+    wanted = [weighed.base] if likeliest is weighed.base else [weighed.base, likeliest]
     tested = parallel_map(partial(_tested_residuals, model), wanted, jobs=jobs)
+    stage()
     (base_discrepancy, base_outlying), (left, outlying) = tested[0], tested[-1]
-    nothing = selection.nothing if search or not left.significant else 0.0
-    reading = Reading(selection.posterior, nothing, selection.none_of_these, selection.families)
-    best = fits.get(reading.claimed, selection.base)
-    if best is selection.base and reading.none_of_these < LIKELY:  # else it is what the likeliest set leaves
+    if not search and left.significant:
+        weighed = replace(weighed, nothing=0.0)
+    best = fits.get(claimed_set(weighed), weighed.base)
+    if best is weighed.base and weighed.none_of_these < LIKELY:  # else it is what the likeliest set leaves
         left, outlying = base_discrepancy, base_outlying
-    return PipelineResult(reading, best, selection, held_out, left, base_discrepancy, outlying)
+    return PipelineResult(best, weighed, held_out, left, base_discrepancy, outlying)
 
 
 def _base_alone(model: Model) -> Selection:
     (base,) = fitted(model, [((), ())])
     if isinstance(base, FailedFit):
         raise RunError(f"the base model cannot be fitted: {base.reason}")
-    return Selection(base, (), (), (), len(model.candidates))
+    return Selection(base, (), (), len(model.candidates))
 
 
-def _held_out(model: Model, selection: Selection, progress: Progress, jobs: int) -> dict[Causes, HeldOutComparison]:
+def _held_out(model: Model, selection: Selection, jobs: int) -> dict[Causes, HeldOutComparison]:
     """Held-out predictions of the best few sets that could be claimed or rival the claim."""
     scored = [candidate for candidate in selection.ranking[:SCORED] if _contends(candidate, selection)]
     if not scored:
         return {}
-    progress("predicting held-out data", 0, 1)
     fits = [selection.base, *(candidate.fit for candidate in scored)]
     base, *extended = parallel_map(model.held_out, fits, jobs=jobs)
     return {
@@ -212,19 +183,19 @@ def _tested_residuals(model: Model, fits: Sequence[CauseFit]) -> list[tuple[Disc
 
 def judge(bound: DataKind, pipeline_result: PipelineResult) -> Judgement:
     """Judge what the pipeline found on a data set."""
-    causes = pipeline_result.best.causes
+    causes, selection = pipeline_result.best.causes, pipeline_result.selection
     not_constant = bound.not_constant(pipeline_result.best) if causes else ()
-    verdict = pipeline_result.reading.verdict(is_constant=not not_constant)
+    verdict = verdict_of(selection, is_constant=not not_constant)
     if not causes and verdict != "adequate":  # also where the likeliest set cannot be fitted
         verdict = "unexplained"
     return Judgement(
         bound.limited_verdict(verdict),
-        pipeline_result.credible_set,
-        tuple(rivals(pipeline_result.posterior, causes)) if causes else (),
+        selection.credible,
+        tuple(rivals(selection.posterior, causes)) if causes else (),
         not_constant,
-        bound.suspect_labels(pipeline_result.selection),
-        pipeline_result.reading.none_of_these,
-        pipeline_result.reading.nothing,
+        bound.suspect_labels(selection),
+        selection.none_of_these,
+        selection.nothing,
         interval_coverage(_held_out_scores(pipeline_result)),
     )
 
@@ -245,7 +216,7 @@ def read(bound: DataKind, pipeline_result: PipelineResult) -> Readings:
     """Return what else the posterior says."""
     selection, best = pipeline_result.selection, pipeline_result.best
     return Readings(
-        inclusion(pipeline_result.posterior),
+        inclusion(selection.posterior),
         selection.responses,
         selection.not_computed,
         tuple(family for family in selection.families if best.causes in family),

@@ -128,7 +128,7 @@ def test_causes_are_worth_their_evidence_also_where_nothing_has_no_number(bayes_
     odds = bayes_factor - np.log(20.0)
     nothing = 1.0 / (1.0 + np.exp(odds)) if nothing is None else nothing
     share = {("mean-current",): 1.0 - nothing, (): nothing}
-    found = Selection(fit, (Candidate(fit, bayes_factor),), (), (), 20, share, nothing=nothing)
+    found = Selection(fit, (Candidate(fit, bayes_factor),), (), 20, share, nothing=nothing)
     assert log_gain(found) == pytest.approx(odds)
 
 

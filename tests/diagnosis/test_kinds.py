@@ -21,9 +21,9 @@ def test_every_kind_of_data_set_is_diagnosed_and_reported() -> None:
 
 
 def test_instruments_measure_parameters_of_the_catalogue() -> None:
-    bound = bind_dataset(MISSIONS / "measured" / "table-1", load(MISSIONS / "chesapeake.yaml"), seed=1)
-    assert bound.direct_measurements
-    for effect, instrument in bound.direct_measurements.items():
+    instruments = {info.id: info.instrument for info in CATALOGUE.values() if info.instrument is not None}
+    assert instruments
+    for effect, instrument in instruments.items():
         assert instrument.parameter in CATALOGUE[effect].parameters
         assert instrument.sd > 0.0
 

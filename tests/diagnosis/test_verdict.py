@@ -20,7 +20,7 @@ from missionplan.diagnosis.inference.selection import (
     rivals,
 )
 from missionplan.diagnosis.next_trial import belief
-from missionplan.diagnosis.pipeline import Reading
+from missionplan.diagnosis.pipeline import claimed_set, verdict_of
 from missionplan.results.learned.evidence import GroupScore
 
 GOOD, BAD = (
@@ -40,7 +40,12 @@ def selection(*entries):
     ranking = tuple(
         sorted((Candidate(CauseFit(c, 0.0, (), {}, True, None), b) for c, b in entries), key=lambda one: -one.score)
     )
-    return Selection(CauseFit((), 0.0, (), {}, True, None), ranking, (), (), 12)
+    return Selection(CauseFit((), 0.0, (), {}, True, None), ranking, (), 12)
+
+
+def reading(posterior, nothing, none_of_these):
+    """What a posterior says, by its probabilities, of nothing and of what has no name."""
+    return replace(selection(), posterior=posterior, nothing=nothing, responses=(("time", "a drift", none_of_these),))
 
 
 def test_score_charges_each_further_cause():
@@ -72,27 +77,30 @@ BOTH = ("compass-bias", "speed-scale")
     ],
 )
 def test_verdict_is_the_first_that_fits(posterior, nothing, none_of_these, expected):
-    assert Reading(posterior, nothing, none_of_these).verdict() == expected
+    assert verdict_of(reading(posterior, nothing, none_of_these)) == expected
 
 
 def test_a_cause_in_the_place_of_which_something_without_a_name_may_be_is_not_claimed():
-    assert Reading({A: 0.6, B: 0.4}, 0.0, 0.6).claimed == ()
-    assert Reading({A: 0.96, B: 0.04}, 0.0, 0.6).claimed == A
-    assert Reading({("response",): 0.6, A: 0.4}, 0.0, 0.6).claimed == ("response",)
+    assert claimed_set(reading({A: 0.6, B: 0.4}, 0.0, 0.6)) == ()
+    assert claimed_set(reading({A: 0.96, B: 0.04}, 0.0, 0.6)) == A
+    assert claimed_set(reading({("response",): 0.6, A: 0.4}, 0.0, 0.6)) == ("response",)
     doubtful = {("compass-bias", "response"): 0.6, ("speed-scale", "response"): 0.3}
-    assert Reading({**doubtful, ("response",): 0.1}, 0.0, 1.0).claimed == ("response",)
-    assert Reading({**doubtful, B: 0.1}, 0.0, 0.9).claimed == ()
-    assert Reading({("compass-bias", "response"): 0.96, B: 0.04}, 0.0, 0.96).claimed == ("compass-bias", "response")
+    assert claimed_set(reading({**doubtful, ("response",): 0.1}, 0.0, 1.0)) == ("response",)
+    assert claimed_set(reading({**doubtful, B: 0.1}, 0.0, 0.9)) == ()
+    assert claimed_set(reading({("compass-bias", "response"): 0.96, B: 0.04}, 0.0, 0.96)) == (
+        "compass-bias",
+        "response",
+    )
 
 
 def test_a_cause_that_changes_explains_a_part():
-    assert Reading({A: 1.0}, 0.0, 0.0).verdict(is_constant=False) == "partly-explained"
+    assert verdict_of(reading({A: 1.0}, 0.0, 0.0), is_constant=False) == "partly-explained"
 
 
 def test_sets_told_as_one_are_one_explanation():
-    reading = Reading({A: 0.6, B: 0.38, (): 0.02}, 0.02, 0.0)
-    assert reading.verdict() == "ambiguous"
-    assert replace(reading, families=((A, B),)).verdict() == "explained"
+    found = reading({A: 0.6, B: 0.38, (): 0.02}, 0.02, 0.0)
+    assert verdict_of(found) == "ambiguous"
+    assert verdict_of(replace(found, families=((A, B),))) == "explained"
 
 
 def test_rivals_are_within_3_nats():

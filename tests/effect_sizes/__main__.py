@@ -109,7 +109,7 @@ def fitted(case: Case) -> list[dict[str, Any]]:
     best = max(fits, key=lambda fit: fit.log_evidence - FURTHER * len(fit.causes))
     return [
         {"name": each.name, "true": true, "value": each.value, "sd": each.sd, "low": each.low, "high": each.high}
-        for each in bound.as_reported(best).estimates
+        for each in best.estimates
         if (true := case.parameters.get(f"{each.effect}.{each.name}")) is not None
     ]
 

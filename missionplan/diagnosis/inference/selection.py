@@ -2,7 +2,7 @@
 
 import itertools
 import math
-from collections.abc import Callable, Hashable, Mapping
+from collections.abc import Hashable, Mapping
 from dataclasses import dataclass, field
 from typing import Protocol, TypeVar
 
@@ -17,13 +17,6 @@ FURTHER = 3.0
 
 LIKELY = 0.5
 """Probability from which something is likelier than not."""
-
-Progress = Callable[[str, int, int], None]
-"""Called with what is being done, how many of how many."""
-
-
-def no_progress(what: str, done: int, of: int) -> None:
-    """Report no progress."""
 
 
 def log_prior(count: int, catalogue: int) -> float:
@@ -63,8 +56,6 @@ class Selection:
     """The base model."""
     ranking: tuple[Candidate, ...]
     """Fitted sets that are possible and not empty, likeliest first."""
-    impossible: tuple[Candidate, ...]
-    """Sets whose best fit is not possible (`CauseFit.possible`)."""
     failed: tuple[FailedFit, ...]
     """Sets that could not be fitted, and why."""
     catalogue: int
@@ -91,8 +82,8 @@ class Selection:
 class WeighsAllSets(Model, Protocol):
     """A model that computes the posterior of all its sets at once."""
 
-    def all_sets(self, progress: Progress = no_progress, jobs: int = 1) -> Selection:
-        """Return the sets with their probabilities, with this progress and so many processes."""
+    def all_sets(self, jobs: int = 1) -> Selection:
+        """Return the sets with their probabilities, by so many processes."""
         ...
 
 

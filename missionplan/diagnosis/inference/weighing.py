@@ -23,11 +23,9 @@ from missionplan.diagnosis.inference.model import CauseFit, FailedFit, Model, fi
 from missionplan.diagnosis.inference.selection import (
     FURTHER,
     Candidate,
-    Progress,
     Selection,
     credible_set,
     log_prior,
-    no_progress,
     over_responses,
     probabilities,
     told_together,
@@ -83,9 +81,9 @@ class LinearisedModel(Model, Protocol):
         """
         return [np.full(len(sets), np.inf) for sets in supersets]
 
-    def all_sets(self, progress: Progress = no_progress, jobs: int = 1) -> Selection:
+    def all_sets(self, jobs: int = 1) -> Selection:
         """Return all sets of causes with their probabilities."""
-        return weigh(self, progress, jobs)
+        return weigh(self, jobs)
 
     def responses_beside(self, fits: Sequence[CauseFit]) -> NeutralResponses:
         """Return the neutral responses, by what the first fit leaves open, and their gains beside every fit."""
@@ -96,17 +94,14 @@ class LinearisedModel(Model, Protocol):
         ...
 
 
-def weigh(model: LinearisedModel, progress: Progress, jobs: int = 1) -> Selection:
+def weigh(model: LinearisedModel, jobs: int = 1) -> Selection:
     """Compute the posterior over all sets.
 
     Raises RunError when not even the base model can be fitted.
     """
     sets = _Sets(model, jobs)
     for size in range(1, MOST_CAUSES + 1):
-        wanted = sets.promising(size)
-        progress(f"fitting sets of {size}", 0, len(wanted))
-        sets.fit(wanted)
-    progress("weighing all sets of causes", 0, 1)
+        sets.fit(sets.promising(size))
     sets.sample()
     for _ in range(ROUNDS):
         sets.fit([causes for causes in sets.likely() if causes not in sets.fits])
@@ -120,7 +115,6 @@ class _Sets:
         self._model, self._jobs = model, jobs
         self.fits: dict[Causes, CauseFit] = {}
         self._failed: list[FailedFit] = []
-        self._impossible: list[CauseFit] = []
         self._evidence: dict[Causes, float] = {}
         self._errors: dict[Causes, float] = {}
         self._gained: dict[Causes, float] = {}
@@ -195,9 +189,7 @@ class _Sets:
             self._evidence.pop(fit.causes, None)
             if isinstance(fit, FailedFit):
                 self._failed.append(fit)
-            elif not fit.possible:
-                self._impossible.append(fit)
-            else:
+            elif fit.possible:
                 self.fits[fit.causes], self._evidence[fit.causes] = fit, fit.log_evidence
 
     def _parts(self, causes: Causes) -> list[CauseFit]:
@@ -253,7 +245,6 @@ class _Sets:
         return Selection(
             self.fits[()],
             tuple(Candidate(fit, self._corrected(fit.causes) - base) for fit in ranked),
-            tuple(Candidate(fit, fit.log_evidence - base) for fit in self._impossible),
             tuple(self._failed),
             self._named,
             posterior,

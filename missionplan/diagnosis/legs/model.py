@@ -17,7 +17,7 @@ from missionplan.diagnosis.inference.block_covariance import BlockCovariance, er
 from missionplan.diagnosis.inference.discrepancy import Residuals
 from missionplan.diagnosis.inference.marginal_likelihood import QUANTILE_95, Normal
 from missionplan.diagnosis.inference.model import CauseFit, FailedFit, FitRequest, HeldOutScore
-from missionplan.diagnosis.inference.selection import Progress, Selection, no_progress
+from missionplan.diagnosis.inference.selection import Selection
 from missionplan.diagnosis.legs.designs import DESIGNS, designs_for, with_further_legs
 from missionplan.diagnosis.legs.fitting import TransitFitting
 from missionplan.diagnosis.legs.likelihood.covariance import ALL_LEGS
@@ -172,9 +172,8 @@ class TransitModel(TransitFitting):
                 fits.append(FailedFit(causes, str(error)))
         return fits
 
-    def all_sets(self, progress: Progress = no_progress, jobs: int = 1) -> Selection:
+    def all_sets(self, jobs: int = 1) -> Selection:
         """Return all sets of causes with their probabilities."""
-        progress("weighing all sets of causes", 0, 1)
         return with_forms(beside_terms(infer(LegInference(self, terms_of(self), jobs)))).selection()
 
     def residuals(self, fit: CauseFit) -> Residuals:

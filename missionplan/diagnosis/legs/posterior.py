@@ -246,19 +246,14 @@ class LegPosterior:
         if unlike := self._of_impossible_size(fits):
             return self._without_names(unlike).selection()
         base = self.fit(())
-        impossible = [fit for fit in fits if not fit.possible]
-        ruled_out = {fit.causes for fit in impossible}
+        ruled_out = {fit.causes for fit in fits if not fit.possible}
         total = sum(p for causes, p in probabilities.items() if causes not in ruled_out)
         posterior = {causes: p / total for causes, p in probabilities.items() if causes not in ruled_out}
         nothing = self.log_masses[(), 0] - self._total
 
-        def candidate(fit: CauseFit) -> Candidate:
-            return Candidate(fit, fit.log_evidence - base.log_evidence)
-
         return Selection(
             base,
-            tuple(candidate(fit) for fit in fits if fit.possible),
-            tuple(candidate(fit) for fit in impossible),
+            tuple(Candidate(fit, fit.log_evidence - base.log_evidence) for fit in fits if fit.possible),
             (),
             self.inference.catalogue,
             posterior,

@@ -13,7 +13,7 @@ from missionplan.diagnosis.dives.noise import (
     sensor_and_turbulence_covariance,
     shape_error_covariance,
 )
-from missionplan.diagnosis.pipeline import run_pipeline
+from missionplan.diagnosis.pipeline import run_pipeline, verdict_of
 from tests.few_causes import few
 
 
@@ -62,7 +62,7 @@ def test_innovations_of_effect_free_dives_are_standard_normals(measured):
 
 @pytest.mark.usefixtures("among_few")
 def test_effect_free_dives_are_adequate(measured):
-    assert run_pipeline(measured()).verdict == "adequate"
+    assert verdict_of(run_pipeline(measured()).selection) == "adequate"
 
 
 @pytest.mark.slow
@@ -182,22 +182,22 @@ def test_a_great_moving_average_is_measured_as_it_is(measured, averaged):
 def test_drag_that_grows_from_dive_to_dive_is_a_discrepancy(measured):
     fouled = np.array([0.0, 0.16, 0.32, 0.48])
     found = run_pipeline(measured("drag-bias", weights=np.array([16.0, 9.0, 20.0, 12.0]), fraction=fouled))
-    assert found.verdict in ("unexplained", "partly-explained")
+    assert verdict_of(found.selection) in ("unexplained", "partly-explained")
     assert found.discrepancy.axis == "run"
 
 
 @pytest.mark.slow
 def test_a_depth_scale_is_hardly_distinguishable_from_drag(measured):
     found = run_pipeline(measured("depth-scale", fraction=0.12))
-    assert found.verdict == "ambiguous"
-    assert {("depth-scale",), ("drag-bias",)} <= set(found.credible_set)
+    assert verdict_of(found.selection) == "ambiguous"
+    assert {("depth-scale",), ("drag-bias",)} <= set(found.selection.credible)
 
 
 @pytest.mark.slow
 def test_payout_and_clock_are_tied_when_the_line_never_varies(measured):
     found = run_pipeline(measured("clock-offset", lines=np.full(4, 5.0), time=0.5))
-    assert found.verdict == "ambiguous"
-    assert {("clock-offset",), ("line-payout",)} <= set(found.credible_set)
+    assert verdict_of(found.selection) == "ambiguous"
+    assert {("clock-offset",), ("line-payout",)} <= set(found.selection.credible)
 
 
 @pytest.mark.slow

@@ -10,7 +10,7 @@ import pytest
 
 from missionplan.diagnosis.inference.evidence_approximations import SampledEvidence
 from missionplan.diagnosis.inference.model import CauseFit, FailedFit, FitRequest
-from missionplan.diagnosis.inference.selection import credible_set, no_progress, rivals, told_together
+from missionplan.diagnosis.inference.selection import credible_set, rivals, told_together
 from missionplan.diagnosis.inference.weighing import NeutralResponses, weigh
 from missionplan.errors import RunError
 from missionplan.results.learned.evidence import Causes
@@ -68,7 +68,7 @@ class Written:
 
 
 def selected(evidence: Mapping[Causes, float], **options: Any) -> Any:
-    return weigh(Written(evidence, **options), no_progress)  # type: ignore[arg-type]
+    return weigh(Written(evidence, **options))  # type: ignore[arg-type]
 
 
 def test_probabilities_are_evidence_times_prior_of_every_set() -> None:
@@ -120,14 +120,14 @@ class Misled(Written):
 
 def test_a_set_is_estimated_from_whichever_part_has_most_of_it() -> None:
     evidence = {(DRAG,): 80.0, (CLOCK,): 30.0, (FLOODING,): 85.0, (DRAG, CLOCK): 120.0}
-    found = weigh(Misled(evidence), no_progress)  # type: ignore[arg-type]
+    found = weigh(Misled(evidence))  # type: ignore[arg-type]
     assert found.ranking[0].causes == (DRAG, CLOCK)
     assert found.posterior[DRAG, CLOCK] > 0.9
 
 
 def test_sets_that_add_nothing_are_not_fitted_and_their_probability_is_stated() -> None:
     model = Written({(DRAG,): 40.0, (DRAG, CLOCK): 39.5})
-    found = weigh(model, no_progress)  # type: ignore[arg-type]
+    found = weigh(model)  # type: ignore[arg-type]
     assert frozenset({DRAG, CLOCK}) not in model.asked
     assert found.posterior[DRAG, CLOCK] == pytest.approx(found.posterior[DRAG,] * math.exp(-3.5), rel=0.05)
     assert found.not_computed == pytest.approx(found.posterior[DRAG, CLOCK], rel=0.05)
@@ -166,7 +166,7 @@ def test_a_response_stands_beside_what_has_no_name_too() -> None:
 def test_an_effect_and_a_smooth_response_in_the_same_words_count_once() -> None:
     model = Written({(OTHER,): 40.0}, unnamed=(OTHER,), responses={(OTHER,): 12.0})
     model.unnamed[OTHER] = ("time", "drag that changes with time")
-    (told,) = weigh(model, no_progress).responses  # type: ignore[arg-type]
+    (told,) = weigh(model).responses  # type: ignore[arg-type]
     assert told.probability == pytest.approx(1.0)
 
 
@@ -194,7 +194,7 @@ def test_there_is_at_most_one_effect_without_a_name() -> None:
 
 def test_alternatives_are_never_together() -> None:
     model = Written({(DRAG,): 30.0, (DRAG, CLOCK): 60.0}, alternatives=[frozenset({DRAG, CLOCK})])
-    found = weigh(model, no_progress)  # type: ignore[arg-type]
+    found = weigh(model)  # type: ignore[arg-type]
     assert found.ranking[0].causes == (DRAG,)
     assert frozenset({DRAG, CLOCK}) not in model.asked
 

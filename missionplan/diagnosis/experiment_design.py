@@ -4,11 +4,12 @@ T-optimality (Atkinson & Fedorov 1975, *Biometrika* 62): with the first set take
 lack of fit of the second set to what the first predicts. Here lack of fit is the expected log Bayes factor.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 
 from missionplan.diagnosis.inference.model import CauseFit, Model
+from missionplan.effects import CATALOGUE
 from missionplan.montecarlo.blocks import parallel_map
 from missionplan.results.learned.evidence import NextMeasurement
 
@@ -16,18 +17,6 @@ SUFFICIENT = 5.0
 """Expected nats from which a design discriminates well enough: no more expensive one is considered."""
 INDISTINGUISHABLE_BELOW = 1.0
 """Expected nats of data like those in hand below which these cannot discriminate between two sets."""
-
-
-@dataclass(frozen=True)
-class DirectMeasurement:
-    """An instrument that measures one effect by itself."""
-
-    description: str
-    """In words."""
-    parameter: str
-    """What it measures."""
-    sd: float
-    """Standard deviation of its error, in the parameter's unit."""
 
 
 @dataclass(frozen=True)
@@ -41,31 +30,20 @@ class Discrimination:
 
 
 def discriminations(
-    model: Model,
-    first: CauseFit,
-    rivals: Sequence[CauseFit],
-    direct: Mapping[str, DirectMeasurement],
-    jobs: int = 1,
+    model: Model, first: CauseFit, rivals: Sequence[CauseFit], jobs: int = 1
 ) -> tuple[Discrimination, ...]:
-    """Find the cheapest measurement that separates each rival from the first set.
-
-    The first set is taken as true; `direct` are instruments that measure one cause by itself.
-    """
+    """Find the cheapest measurement that separates each rival from the first set, which is taken as true."""
     asked = [(rival, in_hand) for rival in rivals for in_hand in (False, True)]
-    measurements = parallel_map(partial(_measurements, model, first, direct), asked, jobs=jobs)
+    measurements = parallel_map(partial(_measurements, model, first), asked, jobs=jobs)
     return tuple(
         Discrimination(cheapest, in_hand.expected_log_bayes_factor < INDISTINGUISHABLE_BELOW)
         for cheapest, in_hand in zip(measurements[::2], measurements[1::2], strict=True)
     )
 
 
-def _measurements(
-    model: Model, first: CauseFit, direct: Mapping[str, DirectMeasurement], asked: Sequence[tuple[CauseFit, bool]]
-) -> list[NextMeasurement]:
+def _measurements(model: Model, first: CauseFit, asked: Sequence[tuple[CauseFit, bool]]) -> list[NextMeasurement]:
     """For each rival, the data in hand if asked for, else the cheapest measurement."""
-    return [
-        _in_hand(model, first, rival) if in_hand else _cheapest(model, first, rival, direct) for rival, in_hand in asked
-    ]
+    return [_in_hand(model, first, rival) if in_hand else _cheapest(model, first, rival) for rival, in_hand in asked]
 
 
 def _in_hand(model: Model, first: CauseFit, rival: CauseFit) -> NextMeasurement:
@@ -73,12 +51,10 @@ def _in_hand(model: Model, first: CauseFit, rival: CauseFit) -> NextMeasurement:
     return NextMeasurement((first.causes, rival.causes), "data like those in hand", expected)
 
 
-def _cheapest(
-    model: Model, first: CauseFit, rival: CauseFit, direct: Mapping[str, DirectMeasurement]
-) -> NextMeasurement:
+def _cheapest(model: Model, first: CauseFit, rival: CauseFit) -> NextMeasurement:
     separates = (first.causes, rival.causes)
     best = NextMeasurement(separates, "no measurement considered separates them", 0.0)
-    for description, expected in _designs(model, first, rival, direct):
+    for description, expected in _designs(model, first, rival):
         if expected > best.expected_log_bayes_factor:
             best = NextMeasurement(separates, description, expected)
         if expected >= SUFFICIENT:
@@ -86,14 +62,12 @@ def _cheapest(
     return best
 
 
-def _designs(
-    model: Model, first: CauseFit, rival: CauseFit, direct: Mapping[str, DirectMeasurement]
-) -> Iterator[tuple[str, float]]:
+def _designs(model: Model, first: CauseFit, rival: CauseFit) -> Iterator[tuple[str, float]]:
     """Designs, cheapest first, then instruments, with their expected log Bayes factor, computed when asked for."""
     for index, description in enumerate(model.designs):
         yield description, model.discrimination(first, rival, index)
     for fit, other in ((first, rival), (rival, first)):
         for estimate in fit.estimates:
-            instrument = direct.get(estimate.effect)
+            instrument = CATALOGUE[estimate.effect].instrument
             if instrument and instrument.parameter == estimate.name and estimate.effect not in other.causes:
                 yield instrument.description, 0.5 * (estimate.value / instrument.sd) ** 2

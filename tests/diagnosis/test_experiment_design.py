@@ -4,17 +4,16 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from missionplan.diagnosis.inference.experiment_design import DirectMeasurement, discriminations
+from missionplan.diagnosis.experiment_design import discriminations
 from missionplan.diagnosis.inference.model import CauseFit
+from missionplan.effects import CATALOGUE
 from missionplan.results.learned.evidence import ParameterEstimate
 
+FLOODING, GAS = (CauseFit((name,), 0.0, (), {}, True, None) for name in ("slow-flooding", "trapped-gas"))
+"""Sets that no instrument measures by itself."""
 CLOCK = CauseFit(
     ("clock-offset",), 0.0, (ParameterEstimate("clock-offset", "time", 0.2, 0.1, 0.0, 0.4, "s"),), {}, True, None
 )
-LAG = CauseFit(
-    ("sensor-lag",), 0.0, (ParameterEstimate("sensor-lag", "time", 1.0, 0.1, 0.8, 1.2, "s"),), {}, True, None
-)
-FILM = {"clock-offset": DirectMeasurement("filmed", "time", 0.05)}
 
 
 class Written:
@@ -27,8 +26,8 @@ class Written:
         return self.in_hand if design is None else self.expected[design]
 
 
-def found(model: Written, direct: dict[str, DirectMeasurement] = {}):  # noqa: B006 - not changed
-    return discriminations(model, CLOCK, [LAG], direct)[0]
+def found(model: Written, first: CauseFit = FLOODING):
+    return discriminations(model, first, [GAS])[0]
 
 
 def test_the_cheapest_sufficient_design_is_chosen_else_the_best():
@@ -37,11 +36,11 @@ def test_the_cheapest_sufficient_design_is_chosen_else_the_best():
 
 
 def test_a_direct_measurement_is_worth_the_mean_log_ratio_of_its_readings():
-    measurement = found(Written(0.0), FILM).measurement
+    measurement = found(Written(0.0), CLOCK).measurement
     rng = np.random.default_rng(1)
     readings = rng.normal(0.2, 0.05, 200_000)
     ratios = stats.norm.logpdf(readings, 0.2, 0.05) - stats.norm.logpdf(readings, 0.0, 0.05)
-    assert measurement.measurement == "filmed"
+    assert measurement.measurement == CATALOGUE["clock-offset"].instrument.description
     assert measurement.expected_log_bayes_factor == pytest.approx(ratios.mean(), rel=0.01)
 
 
