@@ -276,24 +276,27 @@ def settling_nose(pose: HeldPose, length: Scalars, speed: Array, time: Scalars) 
     sine, cosine = np.maximum(pose.excursion / reach, _WEAKEST), pose.nose[2] / reach
     turn = speed / reach
     settled = _LONG / np.maximum(0.5 * turn * (sine + 1.0 / sine), _WEAKEST)
-    under_way = time < settled
-    if not under_way.any():
-        return pose.nose
+    under_way = np.flatnonzero(time < settled)
+    if under_way.size < speed.size:  # the others are there, and only these are followed
+        nose = pose.nose.copy()
+        if under_way.size:
+            part = pose, length, speed, time
+            nose[:, under_way] = settling_nose(*take_trials(part, under_way))
+        return nose
     last = np.arctan2(sine, cosine)
 
     def rate(angle: Array) -> Array:
         flowing = cosine * np.sqrt(np.maximum(np.sin(angle), 0.0) / sine)
         return np.asarray(turn * (np.cos(angle) - flowing))
 
-    angle, step = np.zeros(speed.size), np.where(under_way, time, 0.0) / _STEPS
+    angle, step = np.zeros(speed.size), time / _STEPS
     for _ in range(_STEPS):
         half = angle + 0.5 * step * rate(angle)
         angle = np.minimum(angle + step * rate(half), last)
-    share = np.where(under_way, angle / last, 1.0)
+    share = angle / last
     radius, angle = length + share * (reach - length), share * last
     across = radius * np.sin(angle) / np.maximum(pose.excursion, _WEAKEST)
-    nose = np.stack((pose.nose[0] * across, pose.nose[1] * across, radius * np.cos(angle)))
-    return np.where(under_way, nose, pose.nose)
+    return np.stack((pose.nose[0] * across, pose.nose[1] * across, radius * np.cos(angle)))
 
 
 def line_shape(line: HeldLine, current: LayersAbove, pose: HeldPose) -> Array:

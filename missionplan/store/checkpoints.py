@@ -21,7 +21,7 @@ from importlib import import_module
 from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
-from zipfile import BadZipFile
+from zipfile import ZIP_DEFLATED, BadZipFile, ZipFile
 
 import numpy as np
 from numpy.typing import NDArray
@@ -126,7 +126,11 @@ class Checkpoints:
         content = BytesIO()
         label = {"digest": np.array(self._digest), "block": np.array([block, size])}
         with interrupts_deferred():  # a ZIP file that an exception leaves half opened raises another when it is closed
-            np.savez_compressed(content, **label, **dict(arrays))  # type: ignore[arg-type]
+            # as np.savez_compressed does, in a quarter of its time and a fifth more bytes
+            with ZipFile(content, "w", ZIP_DEFLATED, compresslevel=1) as archive:
+                for name, array in {**label, **arrays}.items():
+                    with archive.open(f"{name}.npy", "w", force_zip64=True) as file:
+                        np.lib.format.write_array(file, np.asarray(array), allow_pickle=False)
             checksum = hashlib.sha256(content.getvalue()).digest()
             write_atomically(path, content.getvalue() + checksum)
 
