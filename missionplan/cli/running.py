@@ -92,6 +92,7 @@ def deliver(result: "Result", folder: Path, output: OutputOptions) -> None:
     """Save a result, then print it: as JSON for scripts, else as a sentence and a compact table."""
     if pool := sys.modules.get("missionplan.montecarlo.pool"):
         pool.shut_down_pool()  # copies of this process draw once those that took part in the study have ended
+    _import_page("missionplan.report.page")
     from missionplan.report.page import drawing_in_parallel
     from missionplan.report.quantities import using_units
 
@@ -119,6 +120,16 @@ def deliver(result: "Result", folder: Path, output: OutputOptions) -> None:
         for notice in notices_of(result):
             remark(f"Note: {notice}")
     note(f"Report: {folder / 'report.html'}")
+
+
+def _import_page(module: str) -> None:
+    """Import what presents results."""
+    from matplotlib import artist
+
+    artist.kwdoc = lambda artist: (
+        ""
+    )  # lists of properties for docstrings, a fifth of its import, which no command shows
+    import_module(module)
 
 
 def _print_result(result: "Result") -> None:
@@ -212,7 +223,7 @@ def beside_import(module: str, compute: Callable[[], _Result]) -> _Result:
     except OSError:  # of processes or files there may be no more
         return compute()
     try:
-        import_module(module)
+        _import_page(module)
         result = copy.result
     except EOFError:
         raise RunError(WORKER_DIED) from None
