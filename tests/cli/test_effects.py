@@ -8,7 +8,7 @@ import yaml
 from missionplan.cli import main
 from missionplan.effects import CATALOGUE
 from missionplan.mission.sections import read_effects
-from missionplan.report.effect_catalogue import fragment
+from missionplan.report.effect_catalogue import effect_text, fragment
 
 
 def run(monkeypatch, capsys, *arguments):
@@ -38,6 +38,14 @@ def test_one_effect_is_shown_with_a_fragment(monkeypatch, capsys):
     assert status == 0
     for part in ("Usual sizes:", "Confused with:", "Distinguished by:", "From: missionplan.", "- compass-bias:"):
         assert part in said.out
+
+
+def test_what_acts_on_readings_alone_is_said_to():
+    """A delay of a log is one; nothing that moves the vehicle is."""
+    words = "Acts on readings alone"
+    assert words in effect_text(CATALOGUE["clock-offset"])
+    assert words not in effect_text(CATALOGUE["compass-bias"])
+    assert words not in effect_text(CATALOGUE["drag-bias"])
 
 
 @pytest.mark.parametrize("info", CATALOGUE.values(), ids=lambda info: info.id)

@@ -117,3 +117,39 @@ def test_velocity_is_linear_in_strength(name):
     single = velocity_error((info.make(strengths),), legs())
     double = velocity_error((info.make({key: 2 * value for key, value in strengths.items()}),), legs())
     np.testing.assert_allclose(double, 2 * single, rtol=1e-12, atol=1e-16)
+
+
+@pytest.mark.parametrize(
+    ("name", "positive", "negative"),
+    [
+        ("drag-bias", "more drag", "less drag"),
+        ("stratification", "lighter", "heavier"),  # a lift is upward
+        ("lift-by-depth", "lighter", "heavier"),
+        ("lift-in-layer", "held back", "drawn down"),
+        ("added-mass", "heavier", "lighter"),
+        ("sensor-lag", "lags", "leads"),
+        ("clock-offset", "late", "early"),
+        ("clock-rate", "fast", "slow"),
+        ("depth-scale", "too deep", "too shallow"),
+        ("reading-by-time", "too deep", "too shallow"),
+        ("reading-at-first", "too deep", "too shallow"),
+        ("vertical-current", "sinks", "rises"),
+        ("compass-bias", "low", "high"),  # what goes to starboard of its course has steered by too small a heading
+        ("compass-jump", "lower", "higher"),
+        ("heading-by-depth", "lower", "higher"),
+        ("speed-scale", "faster", "slower"),
+        ("sideslip", "to starboard", "to port"),
+        ("speed-loss", "loses", "gains"),
+        ("drag-by-line", "adds", "takes"),
+        ("delay-by-line", "late", "early"),
+        ("weight-from-moment", "more than", "less than"),
+        ("weight-until-moment", "more than", "less than"),
+        ("reynolds-drag", "rises with", "falls as"),
+    ],
+)
+def test_what_is_told_of_either_sign_is_what_the_sign_means(name, positive, negative):
+    finding = CATALOGUE[name].finding
+    assert positive in finding.positive
+    assert positive not in finding.negative
+    assert negative in finding.negative
+    assert negative not in finding.positive

@@ -48,6 +48,14 @@ def test_a_heading_that_turns_through_north_is_not_one_to_the_south():
     assert ends(track(heading=turning, speed=even(1.0))) == pytest.approx([0.0, 800.0], abs=0.05)
 
 
+def test_a_speed_that_grows_and_a_heading_that_turns_are_integrated():
+    """At 2 mm/s² from 0.2 m/s on; and a quarter of a circle to starboard, as long as the way."""
+    assert ends(track(heading=even(0.0), speed=Series(T, 0.002 * T))) == pytest.approx([0.0, 800.0], abs=0.05)
+    turning = Series(T, 90.0 * (T - 100.0) / 800.0)
+    radius = 800.0 / (0.5 * np.pi)
+    assert ends(track(heading=turning, speed=even(1.0))) == pytest.approx([radius, radius], abs=0.05)
+
+
 def test_declination_is_added_to_magnetic_headings_alone():
     logged = {"heading": even(80.0), "speed": even(1.0), "declination": even(10.0)}
     assert ends(track(**logged, heading_from="magnetic")) == pytest.approx([800.0, 0.0], abs=0.05)

@@ -211,6 +211,16 @@ def test_the_drift_ends_at_the_anchor_within_the_radius(sizing, monkeypatch):
     assert vehicle == pytest.approx(profile.vehicle_track[:, :until])
 
 
+@pytest.mark.parametrize(
+    ("tied", "words"), [(None, "each body drifts with its layer"), ("tied", "the line ties the drift of both bodies")]
+)
+def test_the_drift_is_said_to_be_tied_where_the_line_ties_it(sizing, tied, words):
+    anchor = sizing.to_build
+    built = SimpleNamespace(profile=anchor.profile, nominal=anchor.nominal, dive=SimpleNamespace(tied=tied))
+    figure = figures.drift_figure(SimpleNamespace(to_build=built, radius=sizing.radius))
+    assert figure.caption.startswith(f"The nominal dive from above, with the mean currents: {words}.")
+
+
 def test_words_of_the_worst_case_and_of_why_none_does(sizing):
     layers = plain(sections._layers_in_words(sizing))
     for layer in sizing.layers:

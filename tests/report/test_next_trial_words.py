@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 import yaml
 
+from missionplan.report.diagnosis import page as diagnosis_page
 from missionplan.report.diagnosis import plan
 from missionplan.report.diagnosis.findings import how_sure
 from missionplan.report.diagnosis.page import answer
@@ -175,6 +176,28 @@ def test_an_adequate_model_is_not_said_to_be_beyond_doubt(score: float, expected
     found.nothing = 0.3
     assert answer(found).startswith("These data leave open whether the mission's model is adequate: that it lacks")
     assert "lacks something (heavy tails, it may be) has a probability of 70.0 %, too little" in answer(found)
+
+
+@pytest.mark.parametrize("within", [True, False])
+def test_what_was_kept_away_is_said_to_be_beyond_chance_where_it_is(within: bool, monkeypatch: Any) -> None:
+    monkeypatch.setattr(diagnosis_page, "told", lambda last: "covers 1 of 9.")
+    best = SimpleNamespace(causes=("heavy-tails",), score=0.3, parameters=(), held_out=None)
+    found = diagnosed(
+        verdict="adequate",
+        causes=(),
+        best=best,
+        suspect_labels="",
+        learned_from=("a leg",),
+        misfit="",
+        known=(),
+        confirmed=(),
+        last_part=SimpleNamespace(kind="transit", groups=9, is_within_chance=within),
+        discrepancy=SimpleNamespace(axis=None, resembles=None),
+        kind="transit",
+    )
+    kept = " Kept away from all this, the last 9 legs: the extended mission covers 1 of 9."
+    assert (f"{kept} Chance does not allow such coverages." in answer(found)) is not within
+    assert kept in answer(found)
 
 
 def test_a_trial_pays_for_itself_in_what_is_saved_and_its_rule_says_the_side() -> None:

@@ -137,6 +137,25 @@ def test_a_steady_tide_is_measured_and_not_modulated(folder, transit_mission, le
     assert found.log_evidence > bound.fit(()).log_evidence + 50.0
 
 
+def test_columns_of_a_modulation_are_of_the_tide_and_of_the_tide_a_quarter_of_its_period_later(
+    folder, transit_mission, legs
+):
+    data = read_transit(folder(KIND, legs(30, error=tide(0.2), lasting=3.0)), transit_mission)
+    bound = transit_model(data, transit_mission, 1)
+    sizes = {"m2_east": (0.3, 0.4), "m2_north": (0.2, 2.0)}
+    about = np.zeros(len(bound.coordinates))
+    for place in bound.by_effect["tidal-current"]:
+        coordinate = bound.coordinates[place]
+        amplitude, phase = sizes.get(coordinate.name, (0.0, 0.0))
+        about[place] = amplitude * {"cosine": np.cos, "sine": np.sin}[coordinate.kind](phase)
+    phases = {f"{name}_phase": phase for name, (_, phase) in sizes.items()}
+    effect = CATALOGUE["tidal-current"].make({name: size for name, (size, _) in sizes.items()} | phases)
+    errors = (bound.axes.T @ bound.velocity_error([each]) for each in (effect, effect.later()))
+    expected = modulated_columns(smooth_functions("tidal-current", data.middle)[1], *errors)
+    _, found = bound._modulation_columns("tidal-current", about)
+    np.testing.assert_allclose(found, expected, atol=1e-12)
+
+
 def test_a_month_tells_n2_from_m2(folder, transit_mission, legs):
     """A perigean constituent of a fifth of M2, which a fortnight cannot resolve, comes out beside it."""
     n2 = float(angular_frequencies(["N2"])[0])

@@ -1,5 +1,6 @@
 """Parts of the legs' inference by hand: spreads between values, noises and scales tried, and the drift at the surface."""
 
+import itertools
 from types import SimpleNamespace
 from typing import Any
 
@@ -9,6 +10,7 @@ import pytest
 from missionplan.diagnosis.inference.marginal_likelihood import SCALES
 from missionplan.diagnosis.legs.fitting import CLEARLY, TransitFitting
 from missionplan.diagnosis.legs.likelihood.mean import TransitMean
+from missionplan.diagnosis.legs.model import TransitModel
 from missionplan.diagnosis.legs.posterior import LegPosterior
 from missionplan.diagnosis.legs.set_density import MeanSet
 from missionplan.phases.hooks import TransitEffect
@@ -107,3 +109,17 @@ def test_a_plainer_state_is_taken_where_another_is_hardly_likelier(gain, likelie
     assert state.forms == list(evidences)[likeliest]
     assert together == pytest.approx(np.log(0.5 * np.exp(-50.0) + 0.5 * np.exp(-50.0 + gain * CLEARLY)))
     assert added == pytest.approx(together + 50.0)
+
+
+def test_the_errors_of_the_residuals_are_of_their_own_axis() -> None:
+    """Covariances of three legs on either axis, and a column that both respond to, leg by leg."""
+    noise = np.stack([np.diag([1.0, 2.0, 3.0]), np.diag([10.0, 20.0, 30.0]) + 0.5])
+    columns = np.arange(6.0).reshape(2, 3, 1)
+    linear = SimpleNamespace(columns=columns, prior_sd=lambda _: np.array([2.0]))
+    self: Any = SimpleNamespace(noise=lambda _: noise, data=SimpleNamespace(n=3))
+    found = TransitModel.error_covariance(self, SimpleNamespace(state=SimpleNamespace(values=None)), linear)
+    for first, second in itertools.product(range(6), repeat=2):
+        legs, axes = (first // 2, second // 2), (first % 2, second % 2)
+        expected = noise[axes[0]][legs] if axes[0] == axes[1] else 0.0
+        expected += 4.0 * columns[axes[0], legs[0], 0] * columns[axes[1], legs[1], 0]
+        assert found.dense()[first, second] == expected

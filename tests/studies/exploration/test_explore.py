@@ -10,8 +10,11 @@ import xarray
 import missionplan
 from missionplan.errors import InputError
 from missionplan.mission import Mission
+from missionplan.results.decision import Assumption
+from missionplan.studies import judgement
 
 MISSIONS = Path(__file__).parents[3] / "missions"
+CALM = Assumption("it is calm", "a swell", 0.03, 0.93, is_required=True)
 VARY = "moor.line_length=4:12:4 m"
 
 
@@ -24,6 +27,19 @@ def whole():
 def chesapeake(whole):
     """The mission until the vehicle is back at the surface."""
     return Mission.from_data({**whole.raw, "phases": whole.raw["phases"][:2]}, file=whole.file)
+
+
+@pytest.mark.parametrize(("limit", "meets"), [("1 s", False), ("1 d", True)])
+def test_assumptions_of_the_best_are_asked_for_where_it_meets_what_is_required(limit, meets, monkeypatch):
+    monkeypatch.setattr(judgement, "ledger", lambda *_: (CALM,))
+    way = {"from": ["0 m", "0 m"], "to": ["500 m", "0 m"], "speed": "1 m/s", "d_max": "300 m", "arrival_radius": "99 m"}
+    data = {
+        "navigation": {"velocity_error": {"sigma": "0.001 m/s"}, "surfacing_time": "60 s"},
+        "phases": [{"transit": way}],
+        "requirements": [{"quantity": "transit.duration", "at_most": limit, "probability": 0.9}],
+    }
+    found = missionplan.explore(Mission.from_data(data), "d_max=200:300:100 m", trials=20, jobs=1)
+    assert (found.constrained, found.assumptions) == (meets, (CALM,) if meets else ())
 
 
 def tidal_mission(folder, *, peak, period=12.42 * 3600.0, distance=6000.0):

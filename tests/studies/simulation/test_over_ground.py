@@ -9,7 +9,9 @@ import yaml
 
 from missionplan.errors import InputError
 from missionplan.mission import load
+from missionplan.results.failures import Counted, CountedKind, Failure
 from missionplan.scenario.scenario import Scenario, leg_spread
+from missionplan.studies.simulation import block_statistics, trial_block
 from missionplan.studies.simulation.block_statistics import failures_by_step
 from missionplan.studies.simulation.simulate import simulate, simulate_block
 from missionplan.studies.validate import check_place, tracks_lost
@@ -174,6 +176,17 @@ def test_the_share_of_tracks_lost_is_told_beforehand(write):
     lost = simulate(partly, trials=600, seed=5, sheet=False).contacts[0].lost
     assert abs(share / 100.0 - lost.value) < 0.08
     assert "on-land" in notice
+
+
+def test_tracks_lost_in_several_ways_are_told_together(write, monkeypatch):
+    flags = np.arange(100) < np.array([[30], [0], [12]])
+    reasons = (("out", Failure.ON_LAND), ("out", Failure.AGROUND), ("home", Failure.AGROUND))
+    lost = {Counted(CountedKind.FAILURE, *reason): each for reason, each in zip(reasons, flags, strict=True)}
+    lost[Counted(CountedKind.FAILURE, "home", Failure.NOT_ARRIVED)] = np.ones(100, dtype=bool)  # is no place's
+    monkeypatch.setattr(trial_block, "run_block", lambda *_, **__: None)
+    monkeypatch.setattr(block_statistics, "failures_by_step", lambda _: lost)
+    (notice,) = tracks_lost(Scenario.at_means(write()))
+    assert "42 % would be lost: 30 % out: on-land, 12 % home: " in notice
 
 
 def test_a_transit_goes_by_its_points_and_leg_numbers_go_on(write):

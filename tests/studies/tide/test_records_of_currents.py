@@ -63,6 +63,14 @@ def test_profilers_in_netcdf_written_otherwise_say_the_same(tmp_path):
         profiler(path, factor=100.0)
 
 
+def test_one_time_without_a_date_among_others_is_refused(tmp_path):
+    times = np.array([600.0, *TIME[1:]])
+    rows = pd.DataFrame({"t_s": times, "depth_m": 5.0, "east_m_s": EAST[:, 0], "north_m_s": NORTH[:, 0]})
+    rows.to_csv(tmp_path / "mixed.csv", index=False)
+    with pytest.raises(InputError, match="its times are seconds, and nothing says since when"):
+        read_current_record(tmp_path / "mixed.csv")
+
+
 def test_what_stands_for_none_in_both_components_is_no_current(tmp_path, monkeypatch):
     spoiled = [np.where(np.arange(12).reshape(4, 3) % 4 == 0, 9.99, whole) for whole in (EAST, NORTH)]
     rows = pd.DataFrame({"t_s": np.repeat(TIME, 3), "depth_m": np.tile(DEPTH, 4), "east_m_s": spoiled[0].ravel(),
