@@ -150,6 +150,13 @@ class Mission(Sections[V], Generic[V]):
         mission._sources = tuple(dict.fromkeys(read))
         return mission
 
+    def with_written(self, values: Mapping[str, object]) -> "Mission":
+        """Return the mission with other values at some key paths, as its file writes them; see `with_values`.
+
+        Raises InputError as `with_values` and `from_data` do.
+        """
+        return Mission.from_data(with_values(self.raw, values), file=self.file)
+
     def to_yaml(self) -> str:
         """Return the mission as the text of a file: that which it was read from, edited where its data changed."""
         return self._text.with_data(self.raw) if self._text is not None else dumped(self.raw)
@@ -305,3 +312,11 @@ class Mission(Sections[V], Generic[V]):
     def uncertain(self) -> dict[str, Distribution]:
         """Return the quantities that are distributions, by key path."""
         return {path: value for path, value in self.quantities().items() if isinstance(value, Distribution)}
+
+
+def with_values(data: Mapping[str, object], values: Mapping[str, object]) -> dict[str, object]:
+    """Return a mission's data with other values at some key paths; sections that are missing are added.
+
+    Raises InputError when a path leads through something that is no section.
+    """
+    return changed_data(data, values, Mission, in_si=False)

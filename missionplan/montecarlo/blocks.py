@@ -76,6 +76,11 @@ class Workers:
         return _by_threads(task, items, jobs)
 
     @property
+    def options(self) -> dict[str, object]:
+        """Where tasks run, as options of a study."""
+        return {"jobs": self.jobs, "backend": self.backend, "scheduler": self.scheduler}
+
+    @property
     def quiet(self) -> "Workers":
         """The same, with nobody told."""
         return replace(self, progress=None)

@@ -12,7 +12,6 @@ from dataclasses import dataclass, replace
 from missionplan.effects import CATALOGUE
 from missionplan.errors import InputError, MissionplanError
 from missionplan.mission import Mission
-from missionplan.mission.changes import changed_data
 from missionplan.mission.schema.site import CurrentFile, CurrentLayer, TidalCurrent
 from missionplan.mission.schema.vehicle import Anchor
 from missionplan.montecarlo.distributions import Quantity, mean_of, sd_of
@@ -202,7 +201,7 @@ def judged(
     """
     seed += FRESH if fresh else 0
     try:
-        whole = _with(mission, values)
+        whole = mission.with_written(values)
         return simulate(whole, trials=trials, seed=seed, jobs=jobs, assumptions=assumptions, sheet=False)
     except InputError:
         return None
@@ -210,12 +209,8 @@ def judged(
 
 def doubted(mission: Mission, recommended: Mapping[str, object], outcome: Outcome) -> Outcome:
     """Simulate a mission that was judged without each of its assumptions too."""
-    whole = _with(mission, recommended)
+    whole = mission.with_written(recommended)
     return replace(outcome, assumptions=ledger(whole, outcome.provenance.seed, None, outcome.requirements))
-
-
-def _with(mission: Mission, values: Mapping[str, object]) -> Mission:
-    return Mission.from_data(changed_data(mission.raw, values, Mission, in_si=False), file=mission.file)
 
 
 def is_good(outcome: Outcome | None) -> bool:

@@ -7,7 +7,7 @@ from pathlib import Path, PurePath
 from typing import TypedDict, Unpack
 
 from missionplan.errors import InputError, Problem, shown
-from missionplan.identity import digest_of_files, running_program
+from missionplan.identity import Identity, digest_of_files, running_program
 from missionplan.mission import Mission, as_mission
 from missionplan.montecarlo.blocks import IN_THIS_PROCESS, Backend, Progress, Workers
 from missionplan.montecarlo.streams import BLOCK
@@ -15,21 +15,34 @@ from missionplan.phases.currents import Current
 from missionplan.phases.ensemble import Ensemble
 from missionplan.results import Provenance
 from missionplan.scenario.site_current import members_of
+from missionplan.store.checkpoints import Checkpoints
+from missionplan.store.folder import as_path
 from missionplan.studies.coverage import checked_ranges, probability_holds
 
 MAX_JOBS = 10_000
 
 
 class RunArguments(TypedDict, total=False):
-    """What studies may be asked for; see `montecarlo.blocks.Workers`."""
+    """How a study that runs trials is run; its result does not depend on where, to the last bit."""
 
     trials: int | None
     seed: int | None
+    """Default: the mission's."""
     jobs: int
     backend: Backend
     scheduler: str | None
-    precision: str | None
+    """Where blocks of trials run: see `montecarlo.blocks.Workers`."""
     progress: Progress | None
+    """Called with the trials done and their total."""
+
+
+class ResumableArguments(RunArguments, total=False):
+    """The same, of a study that can go on where it was cut short."""
+
+    checkpoint: str | Path | None
+    """Folder in which finished blocks are kept."""
+    resume: bool
+    """Whether to go on with the blocks in that folder."""
 
 
 def check_arguments(
@@ -101,8 +114,10 @@ class Run:
     """As asked for, else the mission's."""
     workers: Workers = IN_THIS_PROCESS
     """Where blocks of trials run, and who is told of those done."""
-    precision: str | None = None
-    """At which the run may end."""
+    checkpoint: Path | None = None
+    """Folder in which finished blocks are kept."""
+    resume: bool = False
+    """Whether to go on with those that it holds."""
     started: float = field(default_factory=time.perf_counter)
     """`time.perf_counter` at its beginning [s]."""
 
@@ -114,28 +129,33 @@ class Run:
         *,
         one_of: Mapping[str, tuple[object, Sequence[object]]] | None = None,
         text: Mapping[str, object] | None = None,
-        **asked: Unpack[RunArguments],
+        **asked: Unpack[ResumableArguments],
     ) -> "Run":
         """Begin a run: check all arguments, and load the mission where its path is given.
 
-        `mission`, `one_of`, `text`: as `check_arguments` takes them. `**asked`: trials, seed, jobs, backend, scheduler,
-        precision and progress. Raises InputError with every argument that is wrong, else every problem of the mission's
-        file.
+        `mission`, `one_of`, `text`: as `check_arguments` takes them. Raises InputError with every argument that is
+        wrong, else every problem of the mission's file, and TypeError when one is none of a run.
         """
         started = time.perf_counter()
-        trials, seed, precision = asked.get("trials"), asked.get("seed"), asked.get("precision")
-        jobs = asked.get("jobs", 1)
-        words = {"precision": precision, **(text or {})}
-        checked = check_arguments(mission, trials=trials, seed=seed, jobs=jobs, one_of=one_of, text=words)
+        if unknown := sorted(asked.keys() - ResumableArguments.__annotations__.keys()):
+            raise TypeError(f"{command} got an unexpected keyword argument {unknown[0]!r}")
+        trials, seed, jobs = asked.get("trials"), asked.get("seed"), asked.get("jobs", 1)
+        checked = check_arguments(mission, trials=trials, seed=seed, jobs=jobs, one_of=one_of, text=text)
+        checkpoint = asked.get("checkpoint")
         return cls(
             command,
             checked,
             checked.monte_carlo.trials if trials is None else trials,
             checked.monte_carlo.seed if seed is None else seed,
             Workers(jobs, asked.get("backend", "loky"), asked.get("scheduler"), asked.get("progress")),
-            precision,
+            None if checkpoint is None else as_path(checkpoint, "checkpoint"),
+            asked.get("resume", False),
             started,
         )
+
+    def store(self, identity: Identity) -> Checkpoints | None:
+        """Open the folder of finished blocks, which depend on `identity`; None where none are kept."""
+        return None if self.checkpoint is None else Checkpoints(self.checkpoint, identity, resume=self.resume)
 
     def under_explanations(self) -> Iterator[tuple[tuple[str, ...], float, "Run"]]:
         """Yield effects and probability of each explanation of each doubt, the others as they are, and the run then."""

@@ -9,8 +9,9 @@ from hypothesis import strategies as st
 
 from missionplan.errors import InputError
 from missionplan.mission import Mission, load
+from missionplan.mission.mission import with_values
 from missionplan.mission.quantity_paths import SECTIONS, phase_keys, resolved_path
-from missionplan.studies.exploration import known_key, with_values
+from missionplan.studies.exploration import known_key
 from tests.fixtures import any_text
 
 MISSIONS = Path(__file__).parents[2] / "missions"

@@ -8,11 +8,11 @@ import pytest
 
 import missionplan
 from missionplan.mission import Mission
+from missionplan.mission.mission import with_values
 from missionplan.mission.schema.site import LeewaySection
 from missionplan.montecarlo.streams import BLOCK, BlockStreams
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import STREAM, recorded_current
-from missionplan.studies.exploration import with_values
 from missionplan.studies.simulation.trial_block import run_trials
 
 MISSIONS = Path(__file__).parents[2] / "missions"

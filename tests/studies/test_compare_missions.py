@@ -7,9 +7,9 @@ import pytest
 
 import missionplan
 from missionplan.errors import InputError
+from missionplan.mission.mission import with_values
 from missionplan.results import to_yaml
 from missionplan.studies.comparison.alternatives_page import answer
-from missionplan.studies.exploration import with_values
 
 pytestmark = pytest.mark.usefixtures("unplanned", "unranked", "unheld")
 

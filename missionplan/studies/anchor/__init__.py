@@ -6,13 +6,13 @@ Read then `sizing` (one anchor, and dives with it) and `lightest_anchor` (the se
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
+from typing import Unpack
 
 from missionplan.arrays import Scalars
 from missionplan.errors import InputError, Problem, shown
 from missionplan.mission import Mission, MissionOrPath
 from missionplan.mission.schema.vehicle import Centre
 from missionplan.mission.views import MooringMission
-from missionplan.montecarlo.blocks import Backend, Progress
 from missionplan.physics.anchor import AnchorDesign, wet_centre
 from missionplan.physics.anchor_remedies import TrimState, Weight, trim
 from missionplan.physics.water import STANDARD_GRAVITY
@@ -40,12 +40,7 @@ def size_anchor(
     *,
     probability: float | None = None,
     phase: str | None = None,
-    trials: int | None = None,
-    seed: int | None = None,
-    jobs: int = 1,
-    backend: Backend = "loky",
-    scheduler: str | None = None,
-    progress: Progress | None = None,
+    **run_as: Unpack[RunArguments],
 ) -> AnchorSizing:
     """Size the anchor of a mooring.
 
@@ -56,18 +51,15 @@ def size_anchor(
         Share of the dives that must succeed, besides what the mission requires of the mooring.
     phase : str, optional
         Name of the mooring; default: the first.
-    trials, seed : int, optional
-        Default: the mission's.
-    jobs, backend, scheduler, progress
-        See `montecarlo.blocks.Workers`; the blocks are those of the anchor that is being tried.
+    **run_as
+        See `studies.run.RunArguments`; the trials done are those of the anchor that is being tried.
 
     Raises
     ------
     InputError
         When the mission lacks what a descent needs, or the probability is not between 0 and 1.
     """
-    asked = RunArguments(trials=trials, seed=seed, jobs=jobs, backend=backend, scheduler=scheduler, progress=progress)
-    run = Run.begun("size-anchor", mission, **asked)
+    run = Run.begun("size-anchor", mission, **run_as)
     mission = run.mission
     moor = MooringMission.of(mission).mooring(phase)
     _check_probability(probability)
@@ -85,7 +77,7 @@ def size_anchor(
             probable, outcome = _confirmed(sizer, probable, probability, outcome, judge)
     except ValueError as error:
         raise InputError([Problem(str(error), mission.file, key="vehicle.anchor")]) from error
-    options = {"probability": probability, "phase": phase, "jobs": jobs, "backend": backend, "scheduler": scheduler}
+    options = {"probability": probability, "phase": phase, **run.workers.options}
     sizing = _anchor_sizing(run.provenance(options, mission.notices()), sizer, anchor, probable)
     if outcome is not None:
         sizing = replace(sizing, judged=doubted(mission, _with_anchor(dives, sizing.to_build.wet_weight), outcome))

@@ -16,7 +16,7 @@ from pydantic import BaseModel
 
 from missionplan.errors import InputError, Problem, attempted, did_you_mean, shown
 from missionplan.mission import Mission
-from missionplan.mission.changes import UnclearKeyError, changed_data, find_key, value_at
+from missionplan.mission.changes import UnclearKeyError, find_key, value_at
 from missionplan.mission.documents import load_document
 from missionplan.mission.quantity_paths import name_in_force, overridden, resolved_path
 from missionplan.mission.units import QuantityError, parse_number_with_unit
@@ -76,14 +76,6 @@ def _collect(value: object, path: str, keys: set[str]) -> None:
             _collect(inner, f"{path}[{index}]", keys)
     else:
         keys.add(path)
-
-
-def with_values(data: Mapping[str, object], values: Mapping[str, object]) -> dict[str, object]:
-    """Return a mission's data with other values at some key paths; sections that are missing are added.
-
-    Raises InputError when a path leads through something that is no section.
-    """
-    return changed_data(data, values, Mission, in_si=False)
 
 
 def _is_written(data: Mapping[str, object], key: str) -> bool:

@@ -23,7 +23,7 @@ from missionplan.results.decision import Axis
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import current_source, is_netcdf, recorded_current
 from missionplan.store.checkpoints import Checkpoints, kept_or_run
-from missionplan.studies.exploration import first_start, with_values
+from missionplan.studies.exploration import first_start
 from missionplan.studies.held_vehicle import check_dives
 from missionplan.studies.run import identified
 from missionplan.studies.simulation import check_complete
@@ -54,7 +54,7 @@ class SharedCurrent:
             return cls(recorded_current(mission), _place(mission), mission.start, moves=False)
         hour = timedelta(hours=1)
         starts = ({"start": moment.isoformat()} for moment in (first, first + hour))
-        early, later = (Mission.from_data(with_values(mission.raw, start), file=mission.file) for start in starts)
+        early, later = map(mission.with_written, starts)
         current = recorded_current(early)
         written = current_source(mission)
         if written is not None and all(is_netcdf(name) for name in written.members):  # a field
@@ -174,8 +174,7 @@ class CellTask(MissionTask):
 
     def mission(self, cell: int) -> Mission:
         """Return the mission of a cell; raises InputError where it is not valid."""
-        base = self.missions[0]
-        return Mission.from_data(with_values(base.raw, self.cells[cell]), file=base.file)
+        return self.missions[0].with_written(self.cells[cell])
 
     def scenario(self, cell: int) -> Scenario:
         """Return the mission of a cell at its means, checked."""

@@ -4,8 +4,7 @@ import itertools
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
-from typing import get_args
+from typing import Unpack, get_args
 
 from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission, MissionOrPath
@@ -13,14 +12,11 @@ from missionplan.mission.checks.sections import quantity_unit
 from missionplan.mission.quantity_paths import resolved_path
 from missionplan.mission.units import QuantityError
 from missionplan.montecarlo.alternatives import compare_with_best
-from missionplan.montecarlo.blocks import Backend, Progress
 from missionplan.montecarlo.statistics import Count
 from missionplan.montecarlo.streams import sized_blocks
 from missionplan.results.decision import Aim, Assumption, Axis, MemberOutcome
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import members_drawn, members_of
-from missionplan.store.checkpoints import Checkpoints
-from missionplan.store.folder import as_path
 from missionplan.studies import judgement
 from missionplan.studies.exploration import OPTION, read_axes
 from missionplan.studies.exploration.cells import SUCCESS, CellItem, CellTask, CellTrials, cell_trials
@@ -34,7 +30,7 @@ from missionplan.studies.exploration.result import (
     find_best,
     rank,
 )
-from missionplan.studies.run import Run, RunArguments
+from missionplan.studies.run import ResumableArguments, Run
 from missionplan.studies.simulation import check_complete, input_notices
 from missionplan.studies.simulation.block_statistics import requirement_key
 
@@ -130,14 +126,7 @@ def explore(
     aim: Aim = "success",
     only_best: bool = False,
     quantities: Sequence[str] = (),
-    trials: int | None = None,
-    seed: int | None = None,
-    jobs: int = 1,
-    backend: Backend = "loky",
-    scheduler: str | None = None,
-    checkpoint: str | Path | None = None,
-    resume: bool = False,
-    progress: Progress | None = None,
+    **run_as: Unpack[ResumableArguments],
 ) -> Exploration:
     """Vary one or two keys of a mission and find the best cell.
 
@@ -156,16 +145,8 @@ def explore(
         Run cells that cannot be the best with few trials; there are then no windows.
     quantities : sequence of str
         Reported besides, as requirements name them: ``moor.offset``, ``ingress.arrived``.
-    trials, seed : int, optional
-        Of each cell; default: the mission's.
-    jobs, backend, scheduler
-        See `montecarlo.blocks.Workers`. The result does not depend on them, to the last bit.
-    checkpoint : str or Path, optional
-        Folder in which finished blocks are kept.
-    resume : bool
-        Continue with the blocks in that folder.
-    progress : callable, optional
-        Called with the trials done and their total.
+    **run_as
+        See `studies.run.ResumableArguments`; the trials are those of each cell.
 
     Raises
     ------
@@ -174,8 +155,7 @@ def explore(
     RunError
         When a worker dies, or the checkpoint cannot be written.
     """
-    asked = RunArguments(trials=trials, seed=seed, jobs=jobs, backend=backend, scheduler=scheduler, progress=progress)
-    run = Run.begun("explore", mission, one_of={"aim": (aim, get_args(Aim))}, **asked)
+    run = Run.begun("explore", mission, one_of={"aim": (aim, get_args(Aim))}, **run_as)
     mission, trials, seed = run.mission, run.trials, run.seed
     axes = read_axes(mission, [vary] if isinstance(vary, str) else list(vary))
     columns = _columns(mission, quantities)
@@ -184,8 +164,7 @@ def explore(
         message = f"{len(places)} cells of {trials} trials are {whole:.3g}, expected at most {MAX_TRIALS:.3g}"
         raise InputError([Problem(message, key="trials", hint="fewer trials, or fewer cells")])
     task = CellTask.of(mission, axes, seed, columns)
-    folder = as_path(checkpoint, "checkpoint") if checkpoint is not None else None
-    store = Checkpoints(folder, task.identity(mission, axes), resume=resume) if folder else None
+    store = run.store(task.identity(mission, axes))
 
     def run_cells(items: Sequence[CellItem]) -> list[CellTrials]:
         return cell_trials(task, items, range(len(places)), run.workers, store)
@@ -200,7 +179,7 @@ def explore(
         provenance=run.provenance(
             {
                 "vary": list(vary) if not isinstance(vary, str) else [vary],
-                **{"aim": aim, "jobs": jobs, "only_best": only_best},
+                **{"aim": aim, "jobs": run.workers.jobs, "only_best": only_best},
                 **{"quantity": list(quantities), "trials_run": raced.spent},
             },
             _notices(mission, task),

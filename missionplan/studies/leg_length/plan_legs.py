@@ -3,13 +3,12 @@
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import reduce
-from typing import get_args
+from typing import Unpack, get_args
 
 import numpy as np
 
 from missionplan.arrays import Array
 from missionplan.mission import MissionOrPath
-from missionplan.montecarlo.blocks import Backend, Progress
 from missionplan.montecarlo.statistics import Count, Moments, RunningStatistic, wilson
 from missionplan.montecarlo.streams import block_count, block_size
 from missionplan.results.decision import FAILURE_LOSS, label
@@ -185,12 +184,7 @@ def plan_legs(
     mission: MissionOrPath,
     *,
     aim: Aim = "mean",
-    trials: int | None = None,
-    seed: int | None = None,
-    jobs: int = 1,
-    backend: Backend = "loky",
-    scheduler: str | None = None,
-    progress: Progress | None = None,
+    **run_as: Unpack[RunArguments],
 ) -> LegPlan:
     """Find the best legs of a transit, and compare them with the best fixed d_max.
 
@@ -202,21 +196,18 @@ def plan_legs(
         What to make least: the expected time; the time that 95 % of the trials keep (where the mission requires a
         transit's `duration` to be `at_most` something, greatest: the probability of that); the energy, with the speed
         chosen too.
-    trials, seed : int, optional
-        Default: the mission's.
-    jobs, backend, scheduler, progress
-        See `montecarlo.blocks.Workers`.
+    **run_as
+        See `studies.run.RunArguments`.
 
     Raises
     ------
     InputError
         When the mission has no transit, or no legs can be planned for it.
     """
-    asked = RunArguments(trials=trials, seed=seed, jobs=jobs, backend=backend, scheduler=scheduler, progress=progress)
-    run = Run.begun("plan-legs", mission, one_of={"aim": (aim, get_args(Aim))}, **asked)
+    run = Run.begun("plan-legs", mission, one_of={"aim": (aim, get_args(Aim))}, **run_as)
     scenario, seed = replace(SweepScenario.of(run.mission), sigmas=(None,)), run.seed
     wanted = LegAim(aim, _deadline(scenario)) if aim == "p95" else LegAim(aim)
-    best = optimise_legs(scenario, wanted, seed, progress=progress, workers=run.workers.quiet)
+    best = optimise_legs(scenario, wanted, seed, progress=run.workers.progress, workers=run.workers.quiet)
     task = PairedPlansTask(scenario, error_scenarios(scenario), *plans_of(best), run.trials, seed)
     cases = [
         case for plans, share in [(task, None), *_explained(task, run)] for case in _cases(plans, share, run, wanted)
@@ -228,10 +219,10 @@ def plan_legs(
     if obstacle:
         words = "it uses the spread of legs in pilot trials of the mission, and only the trials show what the legs save"
         notices = (*notices, f"the integral equation does not include {obstacle}: {words}")
-    goal, options = scenario.means.position(scenario.phase.to), {"aim": aim, "jobs": jobs}
+    goal, workers = scenario.means.position(scenario.phase.to), run.workers
     plan = LegPlan(
         **vars(best),
-        provenance=run.provenance({**options, "backend": backend, "scheduler": scheduler}, notices),
+        provenance=run.provenance({"aim": aim, **workers.options}, notices),
         phase=scenario.phase.name,
         phase_index=[phase.name for phase in scenario.mission.phases].index(scenario.phase.name),
         aim=aim,
@@ -249,7 +240,8 @@ def plan_legs(
         adaptive_tracks=tracks[1],
         members=tuple(members),
     )
-    return replace(plan, judged=judged(run.mission, plan.recommended_values, trials=run.trials, seed=seed, jobs=jobs))
+    outcome = judged(run.mission, plan.recommended_values, trials=run.trials, seed=seed, jobs=workers.jobs)
+    return replace(plan, judged=outcome)
 
 
 def _deadline(scenario: SweepScenario) -> float:

@@ -4,13 +4,12 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import Any, Literal, get_args
+from typing import Any, Literal, Unpack, get_args
 
 import numpy as np
 
 from missionplan.errors import InputError, Problem
 from missionplan.mission import Mission, MissionOrPath
-from missionplan.montecarlo.blocks import Backend, Progress
 from missionplan.montecarlo.statistics import Probability, wilson
 from missionplan.montecarlo.streams import block_count, block_size
 from missionplan.phases.transit.expectation import TransitExpectation
@@ -30,25 +29,18 @@ Columns = dict[str, list[Any]]
 def sweep_dmax(
     mission: MissionOrPath,
     *,
-    trials: int | None = None,
-    seed: int | None = None,
-    jobs: int = 1,
-    backend: Backend = "loky",
-    scheduler: str | None = None,
     method: Method | None = None,
-    progress: Progress | None = None,
+    **run_as: Unpack[RunArguments],
 ) -> Sweep:
     """Find the cost of every d_max of the mission's `sweep` section for every velocity error.
 
     Parameters
     ----------
     mission : Mission, str or Path
-    trials, seed : int, optional
-        Default: the mission's.
-    jobs, backend, scheduler, progress
-        See `montecarlo.blocks.Workers`.
     method : {'both', 'analytic', 'monte-carlo'}, optional
         Default: both where the analytic form applies, else Monte Carlo.
+    **run_as
+        See `studies.run.RunArguments`.
 
     Raises
     ------
@@ -56,9 +48,8 @@ def sweep_dmax(
         When the mission has no transit, the mean drift is as fast as the vehicle, or the analytic form is requested
         where it does not apply.
     """
-    asked = RunArguments(trials=trials, seed=seed, jobs=jobs, backend=backend, scheduler=scheduler, progress=progress)
-    run = Run.begun("sweep-dmax", mission, one_of={"method": (method, (None, *get_args(Method)))}, **asked)
-    scenario = SweepScenario.of(run.mission)
+    run = Run.begun("sweep-dmax", mission, one_of={"method": (method, (None, *get_args(Method)))}, **run_as)
+    jobs, scenario = run.workers.jobs, SweepScenario.of(run.mission)
     obstacle = analytic_obstacle(scenario)
     if obstacle and method in ("both", "analytic"):
         hint = "use method='monte-carlo'"
@@ -66,10 +57,10 @@ def sweep_dmax(
     used = method or ("monte-carlo" if obstacle else "both")
     run = replace(run, trials=0) if used == "analytic" else run
     curves = range(len(scenario.sigmas))
-    processes = jobs if backend == "loky" else 1
+    processes = jobs if run.workers.backend == "loky" else 1
     analytic = [()] * len(curves) if used == "monte-carlo" else analytic_curves(scenario, processes)
     sampled = _sampled(run, scenario)
-    options = {"method": used, "jobs": jobs, "backend": backend, "scheduler": scheduler}
+    options = {"method": used, **run.workers.options}
     sweep = Sweep(
         provenance=run.provenance(options, run.mission.notices()),
         phase=scenario.phase.name,

@@ -21,7 +21,7 @@ from missionplan.mission.documents import Document, load_document
 from missionplan.mission.schema.sweep import ChoiceSection
 from missionplan.mission.units import QuantityError, parse_number_with_unit
 from missionplan.results.decision import Axis
-from missionplan.studies.exploration import NUMBER, known_key, read_axis, vehicles, with_values
+from missionplan.studies.exploration import NUMBER, known_key, read_axis, vehicles
 
 Point = tuple[int, ...]
 """A choice: an index along each axis."""
@@ -144,7 +144,7 @@ def _check_values(mission: Mission, axis: Axis) -> None:
     for index in dict.fromkeys(whole):
         values = dict.fromkeys(axis.keys, axis.values[index])
         try:
-            Mission.from_data(with_values(mission.raw, values), file=mission.file)
+            mission.with_written(values)
         except InputError as error:
             first = error.problems[0]
             message = f"{axis.name} cannot be {axis.shown(index)}: {first.message}"

@@ -3,20 +3,17 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
-from pathlib import Path
-from typing import Literal
+from typing import Literal, Unpack
 
 import numpy as np
 
 from missionplan.errors import InputError, Problem
 from missionplan.mission import MissionOrPath
+from missionplan.mission.mission import with_values
 from missionplan.montecarlo.alternatives import paired_difference, pareto_front
-from missionplan.montecarlo.blocks import Progress
 from missionplan.results.optimisation import Obstacle, Optimised, Relaxation, Tried
 from missionplan.results.simulation import Outcome
-from missionplan.store.checkpoints import Checkpoints
-from missionplan.store.folder import as_path
-from missionplan.studies.exploration import first_start, with_values
+from missionplan.studies.exploration import first_start
 from missionplan.studies.exploration.cells import SUCCESS, SharedCurrent
 from missionplan.studies.exploration.result import AIM_COLUMNS
 from missionplan.studies.judgement import is_good, judged
@@ -32,7 +29,7 @@ from missionplan.studies.optimisation.evaluations import (
     violations,
 )
 from missionplan.studies.optimisation.search import FINE, Search
-from missionplan.studies.run import Run
+from missionplan.studies.run import ResumableArguments, Run
 
 MOST_CHECKS = 12
 """Choices that are checked with all trials, the best first."""
@@ -43,12 +40,7 @@ def optimise(
     *,
     choose: Sequence[str] = (),
     aim: Literal["energy", "duration"] | None = None,
-    trials: int | None = None,
-    seed: int | None = None,
-    jobs: int = 1,
-    checkpoint: str | Path | None = None,
-    resume: bool = False,
-    progress: Progress | None = None,
+    **run_as: Unpack[ResumableArguments],
 ) -> Optimised:
     """Choose values of some keys so that all requirements hold at the least mean energy or duration.
 
@@ -60,16 +52,8 @@ def optimise(
         What may be chosen, as ``KEY=FROM:TO:STEP`` or ``KEY=A,B,C``; default: the mission's section `optimise`.
     aim : {'energy', 'duration'}, optional
         Default: the mission's, which is energy unless it says otherwise.
-    trials, seed : int, optional
-        Of the checks; default: the mission's.
-    jobs : int
-        Processes. The result does not depend on them.
-    checkpoint : str or Path, optional
-        Folder in which finished trials of choices are kept.
-    resume : bool
-        Continue with those in that folder; the result is that of a run that was not cut short.
-    progress : callable, optional
-        Called with the steps done and their total.
+    **run_as
+        See `studies.run.ResumableArguments`; the trials are those of the checks, and `progress` is told of steps.
 
     Raises
     ------
@@ -79,8 +63,7 @@ def optimise(
     RunError
         When a worker dies, or the checkpoint cannot be written.
     """
-    aims = {"aim": (aim, (None, "energy", "duration"))}
-    run = Run.begun("optimise", mission, one_of=aims, trials=trials, seed=seed, jobs=jobs, progress=progress)
+    run = Run.begun("optimise", mission, one_of={"aim": (aim, (None, "energy", "duration"))}, **run_as)
     mission, seed = run.mission, run.seed
     lattice, demands = read_lattice(mission, choose), demands_of(mission)
     if not demands:
@@ -89,10 +72,9 @@ def optimise(
     least = aim or (mission.optimise.aim if mission.vehicle is not None else "duration")
     current = SharedCurrent.of(mission, first_start(lattice.axes))
     task = ChoiceTask([mission], [current], seed, columns_needed(mission), lattice)
-    folder = as_path(checkpoint, "checkpoint") if checkpoint is not None else None
-    store = Checkpoints(folder, task.identity(mission, lattice.axes), resume=resume) if folder else None
+    store = run.store(task.identity(mission, lattice.axes))
     problem = _Problem(Evaluations(mission, lattice, task, run.workers.quiet, store), demands, least, run)
-    return problem.solved({"aim": least, "choose": list(choose), "jobs": jobs})
+    return problem.solved({"aim": least, "choose": list(choose), "jobs": run.workers.jobs})
 
 
 @dataclass

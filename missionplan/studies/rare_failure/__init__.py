@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Annotated, ClassVar
+from typing import Annotated, ClassVar, Unpack
 
 import numpy as np
 import pandas as pd
@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from missionplan.arrays import Array
 from missionplan.mission import Mission, MissionOrPath
-from missionplan.montecarlo.blocks import Backend, Progress
 from missionplan.montecarlo.rare_events import NormalPopulation
 from missionplan.montecarlo.rare_events.failure_search import FailureSearch, Found, find
 from missionplan.montecarlo.rare_events.strata import ReliabilityIndices, StrataView, strata
@@ -183,13 +182,8 @@ def find_rare_failure(
     mission: MissionOrPath,
     *,
     event: str = FAILS,
-    trials: int | None = None,
-    seed: int | None = None,
-    jobs: int = 1,
-    backend: Backend = "loky",
-    scheduler: str | None = None,
     precision: str | None = None,
-    progress: Progress | None = None,
+    **run_as: Unpack[RunArguments],
 ) -> RareFailure:
     """Estimate the probability of a rare failure by subset simulation, and sample the missions that fail.
 
@@ -198,15 +192,11 @@ def find_rare_failure(
     mission : Mission, str or Path
     event : str
         ``not total.success``, ``moor.struck_seafloor``, ``moor.offset > 30 m``; see `RareEvent.parse`.
-    trials, seed : int, optional
-        Trials that are run at most (default `MAX_TRIALS`; screening and twelve runs of each way that counts are always
-        made); default seed: the mission's.
-    jobs, backend, scheduler
-        See `montecarlo.blocks.Workers`. The result does not depend on them, to the last bit.
     precision : str, optional
         Coefficient of variation at which the search ends, such as ``5%``; default `VARIATION`.
-    progress : callable, optional
-        Called with the trials done and the most that are run.
+    **run_as
+        See `studies.run.RunArguments`. The trials are the most that are run (default `MAX_TRIALS`; screening and twelve
+        runs of each way that counts are always made), of which `progress` is told.
 
     Raises
     ------
@@ -215,10 +205,8 @@ def find_rare_failure(
     RunError
         When a trial cannot be computed, or a worker dies.
     """
-    asked = RunArguments(trials=trials, seed=seed, jobs=jobs, backend=backend, scheduler=scheduler, progress=progress)
-    asked["precision"] = precision
-    run = Run.begun("simulate", mission, text={"event": event}, **asked)
-    mission, seed = run.mission, run.seed
+    run = Run.begun("simulate", mission, text={"precision": precision, "event": event}, **run_as)
+    mission, seed, trials, progress = run.mission, run.seed, run_as.get("trials"), run.workers.progress
     check_complete(mission)
     wanted, aim = RareEvent.parse(event, mission), variation_asked(precision)
     means = covered_means(mission)
@@ -234,7 +222,8 @@ def find_rare_failure(
         most_trials=most - PLAIN_TRIALS,
         progress=lambda done: progress(min(PLAIN_TRIALS + done, most), most) if progress is not None else None,
     )
-    options = {"rare": event, "trials": trials, "jobs": jobs, "backend": backend, "precision": precision}
+    options: dict[str, object] = {"rare": event, "trials": trials, "jobs": run.workers.jobs}
+    options |= {"backend": run.workers.backend, "precision": precision}
     notices = input_notices(mission, means)
     if not search.batches:
         words = "what leads to it may be a thing whose margin is not known (docs/rare-failures.md)."

@@ -3,13 +3,13 @@
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Unpack
 
 import numpy as np
 
 from missionplan.exporters import VEHICLES, format_named
 from missionplan.identity import Identity, digest_of_files
 from missionplan.mission import Mission, MissionOrPath
-from missionplan.montecarlo.blocks import Backend, Progress
 from missionplan.montecarlo.statistics import Probability
 from missionplan.montecarlo.streams import BLOCK, sized_blocks
 from missionplan.results.decision import SeaChart
@@ -19,10 +19,10 @@ from missionplan.results.simulation import Outcome
 from missionplan.results.whereabouts import Overdue
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import recorded_current
-from missionplan.store.checkpoints import Checkpoints, TrialsTable
+from missionplan.store.checkpoints import TrialsTable
 from missionplan.store.folder import as_path
 from missionplan.studies.export import executions, mission_plan, plan_if_any
-from missionplan.studies.run import Run, RunArguments, identified
+from missionplan.studies.run import ResumableArguments, Run, identified
 from missionplan.studies.simulation import (
     check_complete,
     check_trials,
@@ -50,37 +50,22 @@ CHART_NODES = 150
 def simulate(
     mission: MissionOrPath,
     *,
-    trials: int | None = None,
-    seed: int | None = None,
-    jobs: int = 1,
-    backend: Backend = "loky",
-    scheduler: str | None = None,
     precision: str | None = None,
-    checkpoint: str | Path | None = None,
-    resume: bool = False,
     keep_trials: bool = False,
     searched: str | Path | None = None,
     as_exported: str | None = None,
     assumptions: bool = False,
     sheet: bool = True,
-    progress: Progress | None = None,
+    **run_as: Unpack[ResumableArguments],
 ) -> Outcome:
     """Run the whole mission many times.
 
     Parameters
     ----------
     mission : Mission, str or Path
-    trials, seed : int, optional
-        Default: the mission's. With `precision`, `trials` is the most that are run (default `MAX_TRIALS`).
-    jobs, backend, scheduler
-        See `montecarlo.blocks.Workers`. The result does not depend on them, to the last bit.
     precision : str, optional
         Stop after the first block at which a standard error is below it: ``0.5%`` (of P(success)),
         ``success=0.002``, ``total.duration=0.5%``, ``moor.offset=0.1 m``. The run then equals one of that many trials.
-    checkpoint : str or Path, optional
-        Folder in which finished blocks are kept.
-    resume : bool
-        Continue with the blocks in that folder.
     keep_trials : bool
         Keep a table with one row a trial.
     searched : str or Path, optional
@@ -92,8 +77,9 @@ def simulate(
         Run the mission again without each of its assumptions (`judgement.ledger`), and tell what they are worth.
     sheet : bool
         Compute what to know if the vehicle does not come back (`Outcome.overdue`).
-    progress : callable, optional
-        Called with the trials done and their total.
+    **run_as
+        See `studies.run.ResumableArguments`. With `precision`, `trials` are the most that are run (default
+        `MAX_TRIALS`).
 
     Raises
     ------
@@ -104,27 +90,26 @@ def simulate(
     """
     from missionplan.studies import judgement  # which runs missions by this module
 
-    asked = RunArguments(trials=trials, seed=seed, jobs=jobs, backend=backend, scheduler=scheduler, progress=progress)
-    asked["precision"] = precision
-    run = Run.begun("simulate", mission, one_of={"as_exported": (as_exported, (None, *VEHICLES))}, **asked)
-    mission, seed = run.mission, run.seed
-    folder = as_path(checkpoint, "checkpoint") if checkpoint is not None else None
+    formats, text = {"as_exported": (as_exported, (None, *VEHICLES))}, {"precision": precision}
+    run = Run.begun("simulate", mission, one_of=formats, text=text, **run_as)
+    mission, seed, workers = run.mission, run.seed, run.workers
     check_complete(mission)
     searches = read_searches(as_path(searched, "searched"), mission) if searched is not None else ()
     goal = Precision.parse(precision, mission) if precision else None
     means, exported = _carried_out(mission, as_exported)
     notices = input_notices(mission, means)
     task = BlockTask(means, seed, keep_trials)
-    items = sized_blocks(trials or (MAX_TRIALS if goal else mission.monte_carlo.trials))
-    store = Checkpoints(folder, _identity(task, as_exported), resume=resume) if folder else None
-    table = TrialsTable() if keep_trials else None
-    merged = run_sequence(items, lambda todo: run.workers.quiet.run(task, todo), store, goal, table, progress)
+    items = sized_blocks(MAX_TRIALS if goal and run_as.get("trials") is None else run.trials)
+    store, table = run.store(_identity(task, as_exported)), TrialsTable() if keep_trials else None
+    merged = run_sequence(items, lambda todo: workers.quiet.run(task, todo), store, goal, table, workers.progress)
     check_trials(means, merged.totals.counts.get(_LEFT))
     if exported is not None:
         notices = (*notices, *_loss(mission, exported, merged, seed))
     tracks = merged.tracks or task.tracks(*merged.first)  # block 0 has them, unless it failed
-    options: dict[str, object] = {"jobs": jobs, "backend": backend, "precision": precision, "keep_trials": keep_trials}
-    options |= {**_asked_besides(searched, as_exported), "assumptions": assumptions, "sheet": sheet}
+    options: dict[str, object] = {"jobs": workers.jobs, "backend": workers.backend, "precision": precision}
+    options |= {"keep_trials": keep_trials, **({} if as_exported is None else {"as_exported": as_exported})}
+    options |= {} if searched is None else {"searched": digest_of_files([as_path(searched, "searched")])}
+    options |= {"assumptions": assumptions, "sheet": sheet}
     provenance = run.provenance(options, (*notices, *run_notices(merged, goal)), trials=merged.totals.trials)
     outcome = OutcomeBuilder(mission, merged.totals, tracks, task.members).outcome(provenance)
     first = merged.trials if exported is None else None
@@ -139,12 +124,6 @@ def simulate(
         chart=_chart(means, tracks),
         assumptions=judgement.ledger(mission, seed, first, outcome.requirements) if assumptions else (),
     )
-
-
-def _asked_besides(searched: str | Path | None, as_exported: str | None) -> dict[str, object]:
-    """Options of a simulation that are written where they are given: what was searched by its content."""
-    options: dict[str, object] = {} if as_exported is None else {"as_exported": as_exported}
-    return options if searched is None else {"searched": digest_of_files([as_path(searched, "searched")]), **options}
 
 
 def _carried_out(mission: Mission, as_exported: str | None) -> tuple[Scenario, tuple[str, Plan] | None]:

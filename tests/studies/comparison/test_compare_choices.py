@@ -9,13 +9,13 @@ import yaml
 import missionplan
 from missionplan.errors import InputError
 from missionplan.mission import Mission
+from missionplan.mission.mission import with_values
 from missionplan.report.render import terminal_view
 from missionplan.results import to_yaml
 from missionplan.studies.comparison.alternatives_page import answer, page
 from missionplan.studies.comparison.choices_page import task_in_words
 from missionplan.studies.comparison.differing_values import MissionKey, differing_values, parts_of_task
 from missionplan.studies.comparison.result import Alternatives
-from missionplan.studies.exploration import with_values
 
 pytestmark = pytest.mark.usefixtures("unassumed", "unplanned", "unranked", "unheld")
 

@@ -12,8 +12,9 @@ from hypothesis import strategies as st
 
 import missionplan
 from missionplan.errors import InputError
+from missionplan.mission.mission import with_values
 from missionplan.moments import moment_of
-from missionplan.studies.exploration import known_key, known_keys, read_axes, read_axis, steps, with_values
+from missionplan.studies.exploration import known_key, known_keys, read_axes, read_axis, steps
 
 MISSIONS = Path(__file__).parents[3] / "missions"
 

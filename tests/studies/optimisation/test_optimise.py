@@ -10,8 +10,8 @@ import pytest
 import missionplan
 from missionplan.errors import InputError
 from missionplan.mission import Mission
+from missionplan.mission.mission import with_values
 from missionplan.report.optimisation import answer
-from missionplan.studies.exploration import with_values
 from missionplan.studies.optimisation import read_lattice
 
 pytestmark = pytest.mark.usefixtures("unassumed", "unplanned", "unranked", "unheld")

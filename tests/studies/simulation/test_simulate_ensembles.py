@@ -10,6 +10,7 @@ from test_simulate_currents import STEADY, csv
 
 from missionplan.errors import InputError
 from missionplan.mission import Mission
+from missionplan.mission.mission import with_values
 from missionplan.phases.currents import layers
 from missionplan.phases.ensemble import Ensemble
 from missionplan.phases.recorded_currents import SeriesCurrent
@@ -18,7 +19,6 @@ from missionplan.report.simulation.page import answer
 from missionplan.scenario.scenario import Scenario
 from missionplan.scenario.site_current import members_of, recorded_current
 from missionplan.studies.anchor import size_anchor
-from missionplan.studies.exploration import with_values
 from missionplan.studies.exploration.explore import explore
 from missionplan.studies.leg_length import paired_trials
 from missionplan.studies.leg_length.plan_legs import plan_legs
