@@ -30,7 +30,7 @@ from missionplan.importers.sources import Reading, Sources, find_sources, of_one
 from missionplan.importers.starter import LegNumbers, mission_text, numbers_of, prospects
 from missionplan.importers.track import Fixes, Positions, Track, possible
 from missionplan.mission.schema.place import Geographic, to_plane
-from missionplan.results.imported import ImportedData, LogFigures, SourceEntry, TrackLines
+from missionplan.results.imported import Ability, ImportedData, LogFigures, SourceEntry, TrackLines
 from missionplan.store.folder import as_path
 
 KINDS = ("transit", "descent")
@@ -205,7 +205,7 @@ def transit_data(reading: Reading, rules: LegRules, explain: Sequence[int] = ())
         reckoning=parts.reckoning,
         rejected_fixes=_rejected(parts),
         mission_text=text,
-        can_show=prospects(parts.legs, numbers),
+        can_show=tuple(map(Ability._make, prospects(parts.legs, numbers))),
         next_commands=(f"missionplan diagnose {mission_file} .", f"missionplan simulate {mission_file}"),
         figures=_figures(parts, numbers),
         lines=_lines(parts, numbers),

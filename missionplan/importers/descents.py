@@ -15,7 +15,7 @@ from missionplan.importers.judging import judge_fixes
 from missionplan.importers.sources import Reading
 from missionplan.importers.track import Series
 from missionplan.moments import epoch_of
-from missionplan.results.imported import ImportedData, LogFigures, TrackLines
+from missionplan.results.imported import Ability, ImportedData, LogFigures, TrackLines
 
 STEADY = 0.05
 """Rate of depth from which a vehicle sinks [m/s]."""
@@ -72,7 +72,7 @@ def descent_data(reading: Reading, marks: Sequence[float] = ()) -> ImportedData:
         rejected_fixes=pd.DataFrame({"t_s": [], "reason": []}),
         mission_text=text,
         extra_files={"vehicle.yaml": (files("missionplan") / "starter" / "vehicle.yaml").read_text(encoding="utf-8")},
-        can_show=_prospects(how, dives, parts),
+        can_show=tuple(map(Ability._make, _prospects(how, dives, parts))),
         next_commands=("missionplan diagnose mission.yaml .",),
         figures=LogFigures(float(track.depth.values.max())),
         lines=_lines(track.depth),

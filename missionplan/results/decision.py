@@ -228,17 +228,14 @@ class Axis(Record):
 
 
 @dataclass(frozen=True)
-class Range:
+class Range(Record):
     """A range of a quantity in which a model was compared with something that shares no code with it."""
 
-    quantity: str
-    low: float
-    high: float
-    """[`unit`]"""
-    unit: str
-    """SI; empty for a ratio."""
-    rows: tuple[str, ...]
-    """IDs of the rows that compared: ``python -m validation ID``."""
+    quantity: Annotated[str, Entry("what it is")]
+    low: Annotated[float, Entry("lower end of what was checked, in `unit`")]
+    high: Annotated[float, Entry("upper end of what was checked, in `unit`")]
+    unit: Annotated[str, Entry("of these numbers; empty for a ratio")]
+    rows: Annotated[tuple[str, ...], Entry("IDs of the rows of docs/validation that checked it")]
 
 
 _MOORED = ("peer.scipy-moored-line", "peer.moordyn-moored-line")
@@ -283,16 +280,11 @@ ROWS_OF_COMMAND: Mapping[str, tuple[str, ...]] = {
 
 
 @dataclass(frozen=True)
-class CheckedRange(Record):
+class CheckedRange(Range):
     """A quantity of a mission beside the range in which the model was checked."""
 
-    quantity: Annotated[str, Entry("what it is")]
     least: Annotated[float, Entry("in this mission, at the means, in `unit`")]
     greatest: Annotated[float, Entry("in this mission, at the means, in `unit`")]
-    low: Annotated[float, Entry("lower end of what was checked, in `unit`")]
-    high: Annotated[float, Entry("upper end of what was checked, in `unit`")]
-    unit: Annotated[str, Entry("of these numbers; empty for a ratio")]
-    rows: Annotated[tuple[str, ...], Entry("IDs of the rows of docs/validation that checked it")]
 
     @property
     def is_inside(self) -> Annotated[bool, Entry(key="inside")]:

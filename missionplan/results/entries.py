@@ -5,7 +5,7 @@ these data hold is not checked when they are read back: a report may be of anoth
 """
 
 import math
-from collections.abc import Iterator, Mapping, Sized
+from collections.abc import Callable, Iterator, Mapping, Sized
 from dataclasses import dataclass, fields, is_dataclass, replace
 from functools import cache
 from inspect import cleandoc
@@ -26,8 +26,8 @@ class Entry:
     """Whether the key ends with the unit."""
     optional: bool = False
     """Whether the key is left out where there is nothing: None, or a list without items."""
-    when: str = ""
-    """Attribute that says whether the key is there; default: it is."""
+    when: Callable[[Any], bool] | None = None
+    """Of the record: whether the key is there; default: it is."""
     scale: float = 1.0
     """Numbers of the attribute are divided by it: J in a W h."""
     digits: int | None = None
@@ -63,7 +63,7 @@ class Record:
 
     def row(self) -> dict[str, Any]:
         """Return the entries as the row of a table: numbers alone, nan for what is not known."""
-        items = [item for item in stated(type(self)) if not item.entry.when or getattr(self, item.entry.when)]  # type: ignore[arg-type]
+        items = [item for item in stated(type(self)) if item.entry.when is None or item.entry.when(self)]  # type: ignore[arg-type]
         return {item.key: _cell(_scaled(getattr(self, item.attribute), item.entry)) for item in items}
 
 
@@ -72,7 +72,7 @@ def summary_of(record: Any) -> dict[str, Any]:
     summary: dict[str, Any] = {}
     for item in stated(type(record)):  # type: ignore[arg-type]  # a class is hashable
         value = getattr(record, item.attribute)
-        if item.entry.when and not getattr(record, item.entry.when):
+        if item.entry.when is not None and not item.entry.when(record):
             continue
         if item.entry.optional and (value is None or (isinstance(value, Sized) and not len(value))):
             continue

@@ -4,7 +4,8 @@ import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Annotated, ClassVar
+from operator import attrgetter
+from typing import Annotated, ClassVar, NamedTuple
 
 import pandas as pd
 
@@ -21,8 +22,7 @@ class SourceEntry(Record):
     sha256: Annotated[str, Entry("of its contents")]
 
 
-@dataclass(frozen=True)
-class Ability(Record):
+class Ability(NamedTuple):
     """What a diagnosis of the data can find, or not."""
 
     what: Annotated[str, Entry("that is to be found")]
@@ -133,8 +133,9 @@ class ImportedData(Result):
     """Fixes that do not count, with the reason."""
     mission_text: str
     """The starter mission, as written."""
-    can_show: tuple[tuple[str, str], ...]
-    """What a diagnosis of this data can find, and what it lacks for the rest."""
+    can_show: Annotated[
+        tuple[Ability, ...], Entry("what a diagnosis of this data can find, and what it lacks for the rest")
+    ]
     next_commands: Annotated[tuple[str, ...], Entry("commands that may follow", key="next")]
     figures: Annotated[LogFigures, Entry(inline=True)]
     """Fixes, lengths, speeds, errors."""
@@ -167,11 +168,6 @@ class ImportedData(Result):
         return _counts(self.dives.loc[self.dives["ok"] == 0, "reason"])
 
     @property
-    def abilities(self) -> Annotated[list[Ability], Entry(key="can_show")]:
-        """What a diagnosis of this data can find, and what it lacks for the rest."""
-        return [Ability(what, verdict) for what, verdict in self.can_show]
-
-    @property
     def number_of_dives(self) -> Annotated[int, Entry(key="dives")]:
         """Number of dives that were found."""
         return len(self.dives)
@@ -182,12 +178,13 @@ class ImportedData(Result):
         return self.kind == "transit"
 
     @property
-    def is_of_runs(self) -> bool:
-        """Whether its groups are runs."""
-        return self.kind != "transit"
-
-    @property
-    def groups(self) -> Annotated[int, Entry(key="legs", when="is_of_legs"), Entry(key="runs", when="is_of_runs")]:
+    def groups(
+        self,
+    ) -> Annotated[
+        int,
+        Entry(key="legs", when=attrgetter("is_of_legs")),
+        Entry(key="runs", when=lambda data: not data.is_of_legs),
+    ]:
         """Number of legs or runs in the table."""
         return len(self.table.groupby(self.table.columns[0]))
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from operator import attrgetter
 from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
 import numpy as np
@@ -110,7 +111,7 @@ class RequirementOutcome(Record):
         return self.limit if self.bound == "at_least" else None
 
     @property
-    def trials_to_decide(self) -> Annotated[int | None, Entry(when="undecided")]:
+    def trials_to_decide(self) -> Annotated[int | None, Entry(when=attrgetter("undecided"))]:
         """Trials that would decide an undecided requirement if the probability stays as it is, where any would."""
         return trials_to_decide(self.probability.value, self.required) if self.undecided else None
 
@@ -229,7 +230,8 @@ class Outcome(Result):
     """The same trials by the member of the current's ensemble that each sails in; empty without an ensemble."""
     chart: SeaChart | None = None
     """Depths, land and zones about the tracks; None where the mission says nothing of them."""
-    assumptions: tuple[Assumption, ...] = ()
+    assumed: tuple[Assumption, ...] = ()
+    """What the mission takes for granted, each with its worth."""
     contacts: Annotated[
         tuple[PlaceContact, ...],
         Entry("what missions meet of ground, coast and zones kept out of; empty where they meet nothing"),
@@ -244,11 +246,6 @@ class Outcome(Result):
     def certainty(self) -> Mapping[str, object]:
         """Probability of success, with its interval."""
         return self.total.events["success"].summary()
-
-    @property
-    def assumed(self) -> tuple[Assumption, ...]:
-        """What the mission takes for granted, each with its worth."""
-        return self.assumptions
 
     @property
     def sailed(self) -> tuple[MemberOutcome, ...]:

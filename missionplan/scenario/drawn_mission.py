@@ -73,16 +73,11 @@ class DrawnMission:
         """The site's water."""
         return _water(self.drawn)
 
-    def at_depth(self, depth: Scalars) -> Self:
-        """Return the mission where the water is as deep as this [m]."""
+    def at_depth(self, depth: Scalars, slope: SlopeSection[Scalars] | None = None) -> Self:
+        """Return the mission where the water is as deep as this [m], over ground of this slope or the file's."""
         site = required(self.drawn.site, self.mission, "site", "a mooring needs it")
-        changed = self.drawn.model_copy(update={"site": site.model_copy(update={"depth": depth})})
-        return replace(self, drawn=changed)
-
-    def on_slope(self, slope: SlopeSection[Scalars]) -> Self:
-        """Return the mission over ground of this slope."""
-        site = required(self.drawn.site, self.mission, "site", "a mooring needs it")
-        return replace(self, drawn=self.drawn.model_copy(update={"site": site.model_copy(update={"slope": slope})}))
+        deep = site.model_copy(update={"depth": depth, "slope": slope or site.slope})
+        return replace(self, drawn=self.drawn.model_copy(update={"site": deep}))
 
     @property
     def latitude(self) -> float:

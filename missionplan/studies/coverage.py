@@ -53,14 +53,12 @@ def coverage_of(alternatives: Mapping[str, Mission | Mapping[str, object]]) -> t
 
 def checked_ranges(mission: Mission) -> tuple[CheckedRange, ...]:
     """Return the quantities of a mission, at the means, beside the ranges in which the models were checked."""
-    ranges = []
-    for key, values in _quantities(mission).items():
-        numbers = [value for value in values if math.isfinite(value)]
-        if numbers:
-            checked = RANGES[key]
-            ends = min(numbers), max(numbers)
-            ranges.append(CheckedRange(checked.quantity, *ends, checked.low, checked.high, checked.unit, checked.rows))
-    return tuple(ranges)
+    finite = {key: [*filter(math.isfinite, values)] for key, values in _quantities(mission).items()}
+    return tuple(
+        CheckedRange(**vars(RANGES[key]), least=min(numbers), greatest=max(numbers))
+        for key, numbers in finite.items()
+        if numbers
+    )
 
 
 def _quantities(mission: Mission) -> dict[str, list[float]]:

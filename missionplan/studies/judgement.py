@@ -210,7 +210,7 @@ def judged(
 def doubted(mission: Mission, recommended: Mapping[str, object], outcome: Outcome) -> Outcome:
     """Simulate a mission that was judged without each of its assumptions too."""
     whole = mission.with_written(recommended)
-    return replace(outcome, assumptions=ledger(whole, outcome.provenance.seed, None, outcome.requirements))
+    return replace(outcome, assumed=ledger(whole, outcome.provenance.seed, None, outcome.requirements))
 
 
 def is_good(outcome: Outcome | None) -> bool:

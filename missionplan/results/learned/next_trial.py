@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Annotated, Literal, NamedTuple
+from typing import Annotated, Any, Literal, NamedTuple
 
 import pandas as pd
 
@@ -13,6 +13,19 @@ from missionplan.results.learned.evidence import Causes
 LossUnit = Literal["W h", "min"]
 MORE_RIGHT, NEARLY_RIGHT = 0.05, 0.03
 """Gain in the probability of doing right from which a trial is told to settle it, and what counts as equal."""
+
+
+def _is_computed(told: Any) -> bool:
+    """Whether a trial was looked for."""
+    return getattr(told, "reason", None) is None
+
+
+def _in_energy(told: Any) -> bool:
+    return _is_computed(told) and told.unit == "W h"
+
+
+def _in_time(told: Any) -> bool:
+    return _is_computed(told) and told.unit == "min"
 
 
 @dataclass(frozen=True)
@@ -28,13 +41,13 @@ class ValuedDesign(Record):
     information: Annotated[float, Entry("expected gain about the causes and their sizes", "nats")]
     saving: Annotated[
         float,
-        Entry("expected reduction of a mission's loss by the choice made after it", "W h", when="in_energy"),
-        Entry("expected reduction of a mission's loss by the choice made after it", "min", when="in_time"),
+        Entry("expected reduction of a mission's loss by the choice made after it", "W h", when=_in_energy),
+        Entry("expected reduction of a mission's loss by the choice made after it", "min", when=_in_time),
     ]
     saving_error: Annotated[
         float,
-        Entry("standard error of the saving", "W h", when="in_energy"),
-        Entry("standard error of the saving", "min", when="in_time"),
+        Entry("standard error of the saving", "W h", when=_in_energy),
+        Entry("standard error of the saving", "min", when=_in_time),
     ]
     right: Annotated[
         float,
@@ -44,16 +57,6 @@ class ValuedDesign(Record):
     ]
     unit: LossUnit = "W h"
     """Of the loss."""
-
-    @property
-    def in_energy(self) -> bool:
-        """Whether the loss is energy."""
-        return self.unit == "W h"
-
-    @property
-    def in_time(self) -> bool:
-        """Whether the loss is time."""
-        return self.unit == "min"
 
 
 @dataclass(frozen=True)
@@ -94,72 +97,55 @@ class NextTrial(Record):
     """Which trial, if any, is worth making next."""
 
     decides: Annotated[
-        str, Entry("key of what is chosen: ``d_max_m`` or ``anchor_wet_weight_n``", when="is_computed")
+        str, Entry("key of what is chosen: ``d_max_m`` or ``anchor_wet_weight_n``", when=_is_computed)
     ] = ""
     unit: LossUnit = "W h"
     """Of the loss."""
-    choice: Annotated[float, Entry("best choice with what is known now [m or N]", when="is_computed")] = 0.0
+    choice: Annotated[float, Entry("best choice with what is known now [m or N]", when=_is_computed)] = 0.0
     loss: Annotated[
         float,
-        Entry("expected loss of that choice", "W h", when="in_energy"),
-        Entry("expected loss of that choice", "min", when="in_time"),
+        Entry("expected loss of that choice", "W h", when=_in_energy),
+        Entry("expected loss of that choice", "min", when=_in_time),
     ] = 0.0
     tried: Annotated[
-        tuple[float, float], Entry("least and greatest choice of those tried [m or N]", when="is_computed")
+        tuple[float, float], Entry("least and greatest choice of those tried [m or N]", when=_is_computed)
     ] = (0.0, 0.0)
-    success: Annotated[float, Entry("probability of success with the choice", when="is_computed")] = 0.0
+    success: Annotated[float, Entry("probability of success with the choice", when=_is_computed)] = 0.0
     failure_loss: Annotated[
         float,
-        Entry("loss counted for a mission that fails", "W h", when="in_energy"),
-        Entry("loss counted for a mission that fails", "min", when="in_time"),
+        Entry("loss counted for a mission that fails", "W h", when=_in_energy),
+        Entry("loss counted for a mission that fails", "min", when=_in_time),
     ] = 0.0
     perfect: Annotated[
         float,
-        Entry("expected saving if all were known exactly", "W h", key="perfect_saving", when="in_energy"),
-        Entry("expected saving if all were known exactly", "min", key="perfect_saving", when="in_time"),
+        Entry("expected saving if all were known exactly", "W h", key="perfect_saving", when=_in_energy),
+        Entry("expected saving if all were known exactly", "min", key="perfect_saving", when=_in_time),
     ] = 0.0
-    explanations: Annotated[tuple[PossibleSet, ...], Entry("sets of causes that may hold", when="is_computed")] = ()
+    explanations: Annotated[tuple[PossibleSet, ...], Entry("sets of causes that may hold", when=_is_computed)] = ()
     designs: Annotated[
-        tuple[ValuedDesign, ...], Entry("greatest saving first, then greatest information", when="is_computed")
+        tuple[ValuedDesign, ...], Entry("greatest saving first, then greatest information", when=_is_computed)
     ] = ()
     right: Annotated[
         float,
-        Entry(
-            "probability that what the crew does about the vehicle by what is known now is right", when="is_computed"
-        ),
+        Entry("probability that what the crew does about the vehicle by what is known now is right", when=_is_computed),
     ] = 0.0
     best: ValuedDesign | None = None
     """The cheapest of those that save nearly the most; None where no trial is worth it."""
-    outcomes: Annotated[tuple[TrialOutcome, ...], Entry("of the best design, likeliest first", when="is_computed")] = ()
-    rule: Annotated[
-        OutcomeRule | None, Entry("of the best design, where one parameter decides", when="is_computed")
-    ] = None
+    outcomes: Annotated[tuple[TrialOutcome, ...], Entry("of the best design, likeliest first", when=_is_computed)] = ()
+    rule: Annotated[OutcomeRule | None, Entry("of the best design, where one parameter decides", when=_is_computed)] = (
+        None
+    )
     trial: Mapping[str, object] | None = None
     """Mission file's data of the one recommended; None for an instrument, or where none is."""
     reason: Annotated[str | None, Entry("why nothing was computed, where nothing was", optional=True)] = None
 
     @property
-    def is_computed(self) -> bool:
-        """Whether a trial was looked for."""
-        return self.reason is None
-
-    @property
-    def in_energy(self) -> bool:
-        """Whether there is a loss of energy."""
-        return self.is_computed and self.unit == "W h"
-
-    @property
-    def in_time(self) -> bool:
-        """Whether there is a loss of time."""
-        return self.is_computed and self.unit == "min"
-
-    @property
-    def best_name(self) -> Annotated[str | None, Entry(key="best", when="is_computed")]:
+    def best_name(self) -> Annotated[str | None, Entry(key="best", when=_is_computed)]:
         """The cheapest design of those that save nearly the most; null where no trial is worth it."""
         return None if self.best is None else self.best.name
 
     @property
-    def settling_name(self) -> Annotated[str | None, Entry(key="settling", when="is_computed")]:
+    def settling_name(self) -> Annotated[str | None, Entry(key="settling", when=_is_computed)]:
         """The cheapest design of those that nearly best tell what to do about the vehicle; null: none tells more."""
         return None if self.settling is None else self.settling.name
 

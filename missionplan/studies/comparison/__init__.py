@@ -7,6 +7,7 @@ import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Unpack
 
 import numpy as np
 
@@ -15,7 +16,6 @@ from missionplan.identity import digest_of
 from missionplan.mission import Mission, MissionOrPath, load
 from missionplan.mission.documents import load_document
 from missionplan.montecarlo.alternatives import LEVEL, paired_difference
-from missionplan.montecarlo.blocks import Progress, Workers
 from missionplan.montecarlo.streams import sized_blocks
 from missionplan.results import Provenance
 from missionplan.results.decision import Aim
@@ -33,18 +33,13 @@ from missionplan.studies.comparison.two_reports import (
 from missionplan.studies.coverage import coverage_of
 from missionplan.studies.exploration.cells import CellTrials, MissionTask, SharedCurrent, cell_trials
 from missionplan.studies.exploration.result import DURATION, ENERGY, cell_of
-from missionplan.studies.run import check_arguments, identified
+from missionplan.studies.run import Run, RunArguments, identified
 
 _COLUMNS = {"success": "total.success", "energy_wh": ENERGY, "duration_s": DURATION}
 
 
 def compare_missions(
-    *alternatives: MissionOrPath,
-    trials: int | None = None,
-    seed: int | None = None,
-    jobs: int = 1,
-    allow_outside: bool = False,
-    progress: Progress | None = None,
+    *alternatives: MissionOrPath, allow_outside: bool = False, **run_as: Unpack[RunArguments]
 ) -> Alternatives:
     """Compare missions, which are run on common random numbers, and reports of `simulate`; or reports of choices.
 
@@ -54,7 +49,7 @@ def compare_missions(
     began = time.perf_counter()
     sources = _sources(alternatives, allow_outside=allow_outside)
     compared = check_kinds([(source.path, source.summary) for source in sources])
-    entries, runs = _entries(sources, trials, seed, jobs, progress)
+    entries, runs = _entries(sources, run_as)
     aim = aim_of([source.summary for source in sources])
     best = min(range(len(entries)), key=lambda index: _rank(entries[index], aim))
     columns = [run.columns if run is not None else {} for run in runs]
@@ -66,7 +61,7 @@ def compare_missions(
             file=" ".join(str(source.path) for source in sources),
             seed=entries[best].seed,
             trials=entries[best].trials,
-            options={"jobs": jobs},
+            options={"jobs": run_as.get("jobs", 1)},
             elapsed_s=time.perf_counter() - began,
             data={source.name: source.data for source in sources},
             inputs={source.name: source.identified for source in sources},
@@ -80,37 +75,30 @@ def compare_missions(
         compared=compared,
         aim=aim,
         differing=differing_values([source.data for source in sources]),
-        assumptions=() if mission is None else judgement.ledger(mission, entries[best].seed),
+        assumed=() if mission is None else judgement.ledger(mission, entries[best].seed),
     )
 
 
-def _entries(
-    sources: Sequence["_Source"], trials: int | None, seed: int | None, jobs: int, progress: Progress | None
-) -> tuple[list[Alternative], list[CellTrials | None]]:
+def _entries(sources: Sequence["_Source"], run_as: RunArguments) -> tuple[list[Alternative], list[CellTrials | None]]:
     """Run the missions and read the reports; returns the trials of the missions besides."""
     missions = [source.mission for source in sources if source.mission is not None]
-    ran: list[CellTrials] = []
-    if missions:
-        check_arguments(missions[0], trials=trials, seed=seed, jobs=jobs)
-        trials = missions[0].monte_carlo.trials if trials is None else trials
-        seed = missions[0].monte_carlo.seed if seed is None else seed
-        ran = _run(missions, trials, seed, Workers(jobs, progress=progress))
-    runs = iter(ran)
+    common = Run.begun("compare", missions[0], **run_as) if missions else None
+    runs = iter(_run(missions, common) if common is not None else ())
     source_runs = [next(runs) if source.mission is not None else None for source in sources]
     entries = [
-        _of_mission(source.name, source.path, source.mission, run, seed or 0)
-        if source.mission is not None and run is not None
+        _of_mission(source.name, source.path, source.mission, run, common.seed)
+        if common is not None and source.mission is not None and run is not None
         else reported_alternative(source.name, source.path, source.summary)
         for source, run in zip(sources, source_runs, strict=True)
     ]
     return entries, source_runs
 
 
-def _run(missions: Sequence[Mission], trials: int, seed: int, workers: Workers) -> list[CellTrials]:
+def _run(missions: Sequence[Mission], run: Run) -> list[CellTrials]:
     """Run missions on common random numbers; raises InputError where one cannot be run."""
-    task = MissionTask(missions, [SharedCurrent.of(mission) for mission in missions], seed, (DURATION, ENERGY))
-    items = [(number, *block) for number in range(len(missions)) for block in sized_blocks(trials)]
-    ran = cell_trials(task, items, range(len(missions)), workers)
+    task = MissionTask(missions, [SharedCurrent.of(mission) for mission in missions], run.seed, (DURATION, ENERGY))
+    items = [(number, *block) for number in range(len(missions)) for block in sized_blocks(run.trials)]
+    ran = cell_trials(task, items, range(len(missions)), run.workers)
     if problems := [Problem(run.reason, case.file) for case, run in zip(missions, ran, strict=True) if run.reason]:
         raise InputError(problems)
     return ran
@@ -213,12 +201,7 @@ def _number(case: Alternative, key: str) -> SummaryNumber | None:
 
 
 def compare(
-    *compared: MissionOrPath,
-    trials: int | None = None,
-    seed: int | None = None,
-    jobs: int = 1,
-    allow_outside: bool = False,
-    progress: Progress | None = None,
+    *compared: MissionOrPath, allow_outside: bool = False, **run_as: Unpack[RunArguments]
 ) -> Comparison | Alternatives:
     """Compare two reports of one command, or two and more missions or reports.
 
@@ -227,14 +210,10 @@ def compare(
     *compared : Mission, str or Path
         Two report folders: what changed, and is it more than noise? Missions, their files, more than two, or reports of
         what was chosen (`explore`, `optimise`): which is better? Missions are run on the same random numbers.
-    trials, seed : int, optional
-        Of the missions; default: the first mission's.
-    jobs : int
-        Processes.
     allow_outside : bool
         Whether missions may name files outside their folders.
-    progress : callable, optional
-        Called with the trials done and their total.
+    **run_as
+        See `studies.run.RunArguments`; trials and seed are by default the first mission's.
 
     Raises
     ------
@@ -245,9 +224,7 @@ def compare(
         first, second = (as_path(case, "compared") for case in compared if not isinstance(case, Mission))
         if {read_summary(folder)["command"] for folder in (first, second)}.isdisjoint(CHOOSING):
             return compare_reports(first, second)
-    return compare_missions(
-        *compared, trials=trials, seed=seed, jobs=jobs, allow_outside=allow_outside, progress=progress
-    )
+    return compare_missions(*compared, allow_outside=allow_outside, **run_as)
 
 
 def _is_mission(case: MissionOrPath) -> bool:

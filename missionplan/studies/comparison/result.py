@@ -209,6 +209,11 @@ class Chosen:
     """Of an exploration."""
 
 
+def _is_choice(alternative: "Alternative") -> bool:
+    """Whether it is what a report of `explore` or `optimise` chose."""
+    return alternative.chosen is not None
+
+
 @dataclass(frozen=True)
 class Alternative(Record):
     """A mission, or a report: of one mission, or of the best of several."""
@@ -234,24 +239,19 @@ class Alternative(Record):
         return {name: {"mean": mean, "standard_error": error} for name, (mean, error) in self.quantities.items()}
 
     @property
-    def choice(self) -> Annotated[Mapping[str, str] | None, Entry(key="chosen", when="is_choice")]:
+    def choice(self) -> Annotated[Mapping[str, str] | None, Entry(key="chosen", when=_is_choice)]:
         """What a report of `explore` or `optimise` chose, by key."""
         return None if self.chosen is None else self.chosen.values
 
     @property
-    def choices(self) -> Annotated[int | None, Entry(when="is_choice")]:
+    def choices(self) -> Annotated[int | None, Entry(when=_is_choice)]:
         """Cells or combinations to choose from."""
         return None if self.chosen is None else self.chosen.count
 
     @property
-    def windows(self) -> Annotated[list[dict[str, str]], Entry(when="is_choice")]:
+    def windows(self) -> Annotated[list[dict[str, str]], Entry(when=_is_choice)]:
         """Ranges of the only key in which all requirements are met, ``from`` and ``to``."""
         return [{"from": first, "to": last} for first, last in (self.chosen.windows if self.chosen else ())]
-
-    @property
-    def is_choice(self) -> bool:
-        """Whether it is what a report of `explore` or `optimise` chose."""
-        return self.chosen is not None
 
     @property
     def missed(self) -> tuple[RequirementOutcome, ...]:
@@ -274,13 +274,8 @@ class Alternatives(Result):
     ] = "simulate"
     aim: Annotated[Aim, Entry("what is compared first")] = "success"
     differing: Annotated[tuple[DifferingValue, ...], Entry("values in which the missions differ")] = ()
-    assumptions: tuple[Assumption, ...] = ()
-    """Of the best, where it is a mission."""
-
-    @property
-    def assumed(self) -> tuple[Assumption, ...]:
-        """What the best takes for granted."""
-        return self.assumptions
+    assumed: tuple[Assumption, ...] = ()
+    """What the best takes for granted, where it is a mission."""
 
     @property
     def task_differs(self) -> Mapping[PartOfTask, Sequence[str]]:

@@ -190,7 +190,7 @@ def explore(
         best=best.best,
         constrained=best.constrained,
         members=_members(task, axes, raced.trials, best.best, trials),
-        assumptions=_assumed(task, best.cells, best.best) if best.constrained and mission.requirements else (),
+        assumed=_assumed(task, best.cells, best.best) if best.constrained and mission.requirements else (),
     )
 
 
@@ -203,7 +203,10 @@ def _cells(mission: Mission, places: Sequence[tuple[int, ...]], raced: Race) -> 
         )
         for number, (place, sample) in enumerate(zip(places, raced.trials, strict=True))
     ]
-    _check_any_runs(cells)
+    if all(cell.reason for cell in cells):
+        reasons = list(dict.fromkeys(cell.reason for cell in cells))
+        shown = "; ".join(reasons[:_SHOWN]) + ("; …" if len(reasons) > _SHOWN else "")
+        raise InputError([Problem(f"no cell can be run: {shown}", key=OPTION)])
     return cells
 
 
@@ -239,14 +242,6 @@ def _columns(mission: Mission, quantities: Sequence[str]) -> tuple[str, ...]:
     if problems:
         raise InputError(problems)
     return tuple(dict.fromkeys(columns))
-
-
-def _check_any_runs(cells: Sequence[Cell]) -> None:
-    if any(not cell.reason for cell in cells):
-        return
-    reasons = list(dict.fromkeys(cell.reason for cell in cells))
-    shown = "; ".join(reasons[:_SHOWN]) + ("; …" if len(reasons) > _SHOWN else "")
-    raise InputError([Problem(f"no cell can be run: {shown}", key=OPTION)])
 
 
 def _notices(mission: Mission, task: CellTask) -> tuple[str, ...]:

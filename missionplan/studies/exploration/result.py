@@ -109,13 +109,8 @@ class Exploration(Result):
         tuple[MemberOutcome, ...],
         Entry("how often the best succeeds in each member of the current's ensemble", optional=True),
     ] = ()
-    assumptions: tuple[Assumption, ...] = ()
-    """What the best takes for granted, where it meets all that is required."""
-
-    @property
-    def assumed(self) -> tuple[Assumption, ...]:
-        """What the best takes for granted, each with its worth."""
-        return self.assumptions
+    assumed: tuple[Assumption, ...] = ()
+    """What the best takes for granted, each with its worth, where it meets all that is required."""
 
     @property
     def valid(self) -> tuple[Cell, ...]:

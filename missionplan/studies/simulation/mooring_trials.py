@@ -89,13 +89,11 @@ def _depth(place: Place, places: Array, t: Array) -> Array:
 
 def _at(scenario: Scenario, place: Place, landing: Array, depth: Array) -> Scenario:
     """Return the mission in water of that depth, over that place's slope; one that the file gives stays."""
-    deep = scenario.at_depth(depth)
-    site = deep.drawn.site
+    site = scenario.drawn.site
     if place.ground is None or site is None or site.slope is not None:
-        return deep
+        return scenario.at_depth(depth)
     angle, toward = place.ground.slope_at(landing)
-    section: SlopeSection[Scalars] = SlopeSection.model_construct(angle=np.minimum(angle, 1.0), toward=toward)
-    return deep.on_slope(section)
+    return scenario.at_depth(depth, SlopeSection.model_construct(angle=np.minimum(angle, 1.0), toward=toward))
 
 
 def _foreseen(scenario: Scenario, phase: MoorPhase[Scalars], state: TrialState) -> Array:

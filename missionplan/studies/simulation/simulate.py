@@ -122,7 +122,7 @@ def simulate(
         plan=plan_if_any(mission, means, seed),
         overdue=_overdue(task, merged, searches) if sheet else None,
         chart=_chart(means, tracks),
-        assumptions=judgement.ledger(mission, seed, first, outcome.requirements) if assumptions else (),
+        assumed=judgement.ledger(mission, seed, first, outcome.requirements) if assumptions else (),
     )
 
 

@@ -302,7 +302,7 @@ def test_members_and_explanations_differ_beyond_chance():
     ("least", "greatest", "inside"), [(2.0, 5.0, True), (1.0, 6.0, True), (0.9, 5.0, False), (2.0, 6.1, False)]
 )
 def test_what_was_checked_holds_all_of_a_mission_or_not(least, greatest, inside):
-    assert CheckedRange("depth", least, greatest, 1.0, 6.0, "m", ()).is_inside == inside
+    assert CheckedRange("depth", 1.0, 6.0, "m", (), least, greatest).is_inside == inside
 
 
 def tried(speed, energy, *slack, trials=900):

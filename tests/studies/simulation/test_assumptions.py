@@ -174,7 +174,7 @@ def test_an_assumption_that_cannot_be_run_is_not_passed_over(one_leg, monkeypatc
     wrong = Doubt("the keel is even", "another", {"vehicle.keel": "uneven"})
     monkeypatch.setattr("missionplan.studies.judgement.doubts_of", lambda _: iter([wrong]))
     outcome = missionplan.simulate(one_leg("0 m/s"), assumptions=True)
-    (found,) = outcome.assumptions
+    (found,) = outcome.assumed
     assert math.isnan(found.worth)
     assert "could not be run" in render(outcome).html
 
