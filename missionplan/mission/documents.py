@@ -1,5 +1,6 @@
-"""YAML with line marks, loaded safely: limits on size, depth and nodes, no duplicate keys."""
+"""YAML with line marks, loaded safely: limits on size, depth and nodes, no duplicate keys; JSON too."""
 
+import json
 import os
 from collections.abc import Iterator
 from contextlib import suppress
@@ -85,6 +86,15 @@ def read_text(path: Path, shown: str, *, max_bytes: int = MAX_BYTES) -> str:
         raise InputError([Problem(f"is not UTF-8 text (byte {error.start})", shown)]) from None
     except OSError as error:
         raise InputError([Problem(f"cannot be read: {error.strerror or error}", shown)]) from None
+
+
+def read_json(path: Path, *, max_bytes: int = MAX_BYTES) -> Any:
+    """Read a JSON file; raises InputError as `read_text` does, and where it holds no JSON."""
+    text = read_text(path, str(path), max_bytes=max_bytes)
+    try:
+        return json.loads(text)
+    except (ValueError, RecursionError) as error:  # of what is cut off, nested too deep, or has too many digits
+        raise InputError([Problem(f"is not valid JSON: {error}", str(path))]) from None
 
 
 def unprintable_texts(data: object, path: KeyPath = ()) -> Iterator[LocalProblem]:

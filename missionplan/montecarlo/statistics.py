@@ -105,7 +105,7 @@ class Count:
     trials: int = 0
 
     @classmethod
-    def of(cls, happened: NDArray[np.bool_]) -> "Count":
+    def of(cls, happened: NDArray[np.generic]) -> "Count":
         """Count in one block, shape (n,)."""
         return cls(int(np.count_nonzero(happened)), int(happened.size))
 

@@ -174,7 +174,7 @@ def test_a_folder_without_reports_is_refused(tmp_path: Path) -> None:
         missionplan.history(tmp_path / "none")
     (tmp_path / "summary.json").write_text("[")
     (tmp_path / "diagnosis.json").write_text("{}")
-    with pytest.raises(missionplan.InputError, match="is no JSON"):
+    with pytest.raises(missionplan.InputError, match="is not valid JSON"):
         missionplan.history(tmp_path)
 
 

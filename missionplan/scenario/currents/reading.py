@@ -120,15 +120,7 @@ def read_field(
         dimension = files.members()
         if dimension is not None:
             files = files.member(dimension, member or 0)
-        try:
-            return _read(files, area)
-        except InputError:
-            raise
-        except FieldAttributeError as error:
-            raise files.problem(str(error)) from None
-        except Exception as error:  # the libraries below raise many kinds for what is damaged
-            words = str(error).partition("\n")[0]
-            raise InputError([Problem(f"cannot be read as NetCDF: {words}", shown)]) from None
+        return _read(files, area)
 
 
 def member_count(names: Sequence[str], shown: str) -> int:
@@ -142,7 +134,7 @@ def member_count(names: Sequence[str], shown: str) -> int:
 def opened(names: Sequence[str], shown: str) -> Iterator[FieldFiles]:
     """Open files or addresses.
 
-    Raises InputError when xarray is not installed, or one cannot be opened.
+    Raises InputError when xarray is not installed, or one cannot be opened or, as long as it is open, read.
     """
     try:
         import xarray  # noqa: F401
@@ -153,8 +145,12 @@ def opened(names: Sequence[str], shown: str) -> Iterator[FieldFiles]:
         datasets = [tidied(stack.enter_context(_opened(name))) for name in names]
         try:
             yield FieldFiles([tidied(run) for dataset in datasets for run in runs(dataset)], shown)
+        except InputError:
+            raise
         except FieldAttributeError as error:
             raise InputError([Problem(str(error), shown)]) from None
+        except Exception as error:  # the libraries below raise many kinds for what is damaged
+            raise _unreadable(error, shown) from None
 
 
 def _opened(name: str) -> "Dataset":
@@ -163,13 +159,18 @@ def _opened(name: str) -> "Dataset":
     try:
         return xarray.open_dataset(name, decode_times=False)
     except Exception as error:  # the libraries below raise many kinds for what is damaged
-        words = str(error).partition("\n")[0]
         if name.startswith(REMOTE):
+            words = str(error).partition("\n")[0]
             hint = "an OPeNDAP address needs the network; a copy of the part you need serves without one"
             raise InputError([Problem(f"cannot be opened: {words}", name, hint=hint)]) from None
         if not _begins_as_netcdf(name):
             raise InputError([Problem("is no NetCDF file; expected NetCDF 3 or 4", name)]) from None
-        raise InputError([Problem(f"cannot be read as NetCDF: {words}", name)]) from None
+        raise _unreadable(error, name) from None
+
+
+def _unreadable(error: Exception, name: str) -> InputError:
+    """Return the error of a file that a library below cannot read, by the first line of its words."""
+    return InputError([Problem(f"cannot be read as NetCDF: {str(error).partition(chr(10))[0]}", name)])
 
 
 def _begins_as_netcdf(name: str) -> bool:

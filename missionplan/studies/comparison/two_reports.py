@@ -1,6 +1,5 @@
 """What changed between two reports of one command, and the chance that Monte-Carlo noise alone makes numbers differ."""
 
-import json
 import math
 import time
 from collections.abc import Iterator, Mapping, Sequence
@@ -13,7 +12,7 @@ from scipy.special import ndtr
 
 from missionplan.errors import InputError, Problem
 from missionplan.identity import differences, digest_of, program_part
-from missionplan.mission.documents import load_document, read_text
+from missionplan.mission.documents import load_document, read_json
 from missionplan.results import Provenance, without_run
 from missionplan.results.entries import mapping, mappings, real, whole
 from missionplan.store.folder import as_path
@@ -214,10 +213,7 @@ def read_summary(folder: Path) -> dict[str, object]:
     if not folder.is_dir():
         raise InputError([Problem("no such folder", str(folder), hint="a report folder was expected")])
     path = folder / "summary.json"
-    try:
-        summary = json.loads(read_text(path, str(path), max_bytes=_MAX_BYTES))
-    except (json.JSONDecodeError, RecursionError) as error:
-        raise InputError([Problem(f"is not valid JSON: {error}", str(path))]) from None
+    summary = read_json(path, max_bytes=_MAX_BYTES)
     if not isinstance(summary, dict) or not isinstance(summary.get("command"), str):
         raise InputError([Problem("is not a summary of missionplan", str(path))])
     return summary

@@ -238,25 +238,21 @@ def cell_of(place: tuple[int, ...], mission: Mission, trials: Trials, reason: st
     """Sum up the trials of one cell; `mission` has the requirements, which are the same for all."""
     if reason:
         return Cell(place, reason)
-    if LEFT_RECORD in trials and (left := _count(trials[LEFT_RECORD]).probability().value) > TOLERATED:
+    if LEFT_RECORD in trials and (left := Count.of(trials[LEFT_RECORD]).probability().value) > TOLERATED:
         return Cell(place, f"{100.0 * left:.3g} % of the trials leave the record of the current")
     met = [str(Counted.requirement(number)) for number in range(len(mission.requirements))]
     columns = {name: values for name, values in trials.items() if name not in (SUCCESS, LEFT_RECORD, *met)}
     return Cell(
         place=place,
-        success=_count(trials[SUCCESS]).probability(),
+        success=Count.of(trials[SUCCESS]).probability(),
         requirements=tuple(
-            requirement_outcome(mission, requirement, _count(trials[name]))
+            requirement_outcome(mission, requirement, Count.of(trials[name]))
             for name, requirement in zip(met, mission.requirements, strict=True)
         ),
         quantities={name: statistic_of(values) for name, values in columns.items() if values.dtype != bool},
-        events={name: _count(values).probability() for name, values in columns.items() if values.dtype == bool},
+        events={name: Count.of(values).probability() for name, values in columns.items() if values.dtype == bool},
         trials=trials[SUCCESS].size,
     )
-
-
-def _count(happened: NDArray[np.generic]) -> Count:
-    return Count(int(happened.sum()), happened.size)
 
 
 def statistic_of(values: NDArray[np.generic]) -> Statistic:

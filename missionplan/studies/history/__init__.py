@@ -1,6 +1,5 @@
 """`history`: read reports of `diagnose` and counts of failures below a folder, and follow what was learned."""
 
-import json
 import math
 import time
 from collections.abc import Iterator, Mapping, Sequence
@@ -16,7 +15,7 @@ from missionplan.effects import CATALOGUE
 from missionplan.errors import InputError, Problem, attempted
 from missionplan.identity import differences, digest_of, program_part
 from missionplan.mission import MissionOrPath, as_mission
-from missionplan.mission.documents import load_document, read_text
+from missionplan.mission.documents import load_document, read_json
 from missionplan.mission.includes import hash_of, read_draws
 from missionplan.mission.learned import Series, series_of
 from missionplan.moments import moment_or_none
@@ -212,10 +211,7 @@ def _read(place: Path, root: Path) -> _Report | None:
     Raises InputError when its summary is no JSON of a diagnosis, its mission cannot be read, or its draws are damaged.
     """
     file = place / "summary.json"
-    try:
-        summary = json.loads(read_text(file, str(file), max_bytes=MAX_BYTES))
-    except (ValueError, RecursionError) as error:
-        raise InputError([Problem(f"is no JSON: {error}", str(file))]) from None
+    summary = read_json(file, max_bytes=MAX_BYTES)
     if isinstance(summary, dict) and "datasets" in summary:
         return None
     if not isinstance(summary, dict) or not isinstance(summary.get("ranking"), list) or not _can_be_told(summary):

@@ -1,6 +1,5 @@
 """Where and when trials are lost, for each way to fail and part of the mission; and searches that found nothing."""
 
-import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -13,6 +12,7 @@ from numpy.typing import NDArray
 from missionplan.arrays import Array
 from missionplan.errors import InputError, Problem, shown
 from missionplan.mission import Mission
+from missionplan.mission.documents import read_json
 from missionplan.mission.schema.place import to_plane
 from missionplan.mission.views import required_origin
 from missionplan.moments import moment_of
@@ -178,15 +178,7 @@ def read_searches(path: Path, mission: Mission) -> tuple[Search, ...]:
     if mission.start is None:
         raise InputError([Problem("searches have dates: the mission needs its `start` (UTC)", name)])
     required_origin(mission, "searches are placed by it")
-    try:
-        if path.stat().st_size > MAX_BYTES:
-            raise InputError([Problem(f"is larger than {MAX_BYTES // 1_000_000} MB", name)])
-        document = json.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise InputError([Problem(f"cannot be read: {error.strerror or error}", name)]) from None
-    except (ValueError, RecursionError) as error:
-        raise InputError([Problem(f"is no GeoJSON: {error}", name)]) from None
-    features = _features(document, name)
+    features = _features(read_json(path, max_bytes=MAX_BYTES), name)
     problems: list[Problem] = []
     searches = []
     for number, feature in enumerate(features):

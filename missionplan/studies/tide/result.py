@@ -19,7 +19,7 @@ from missionplan.errors import InputError, Problem
 from missionplan.moments import EPOCH_SCALE, is_since, utc
 from missionplan.results import Provenance, Result, to_csv, to_yaml
 from missionplan.results.entries import Entry, Record
-from missionplan.scenario.currents.attributes import FieldAttributeError, depths, good, moments
+from missionplan.scenario.currents.attributes import depths, good, moments
 from missionplan.scenario.currents.files import FieldFiles, undeclared_fill
 from missionplan.scenario.currents.reading import CURRENT_LIMITS, MAX_BYTES, opened
 
@@ -210,14 +210,7 @@ def read_current_record(path: Path, start: datetime | None = None) -> CurrentRec
     """
     if path.suffix.lower() in NETCDF:
         with opened([str(path)], str(path)) as files:
-            try:
-                return _of_files(files)
-            except InputError:
-                raise
-            except FieldAttributeError as error:
-                raise files.problem(str(error)) from None
-            except Exception as error:  # the libraries below raise many kinds for what is damaged
-                raise files.problem(f"cannot be read as NetCDF: {str(error).partition(chr(10))[0]}") from None
+            return _of_files(files)
     cells = plain_table(path, COLUMNS, MAX_BYTES)
     numbers = {name: pd.to_numeric(cells[name], errors="coerce") for name in COLUMNS}
     if start is None and (numbers["t_s"] <= EPOCH_SCALE).any():

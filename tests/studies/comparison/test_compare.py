@@ -210,6 +210,7 @@ def test_anchors_are_compared_exactly(report):
     [
         ("{", "is not valid JSON"),
         ("[1]", "is not a summary"),
+        ("1" * 5000, "is not valid JSON"),  # more digits than Python converts
         ("[" * 100_000, "is not valid JSON"),
         ('{"command": "identify"}', "cannot be compared"),
     ],
