@@ -4,7 +4,7 @@ import io
 import re
 import shlex
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass, field
 from functools import cached_property, partial
@@ -22,7 +22,7 @@ from matplotlib.text import Text
 from missionplan.montecarlo.pool import Copy, copies_at_once
 from missionplan.report.axes import draw_in_units, set_ticks
 from missionplan.report.readings import Shown, Slider, name_series, readings
-from missionplan.report.wording import typeset
+from missionplan.report.wording import setting, typeset
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as MatplotlibFigure
@@ -85,14 +85,9 @@ Draw = Callable[["MatplotlibFigure", Shown], DrawnFigure]
 _chosen: ContextVar[Draw] = ContextVar("draw", default=draw)
 
 
-@contextmanager
-def drawing_by(draw: Draw) -> Iterator[None]:
+def drawing_by(draw: Draw) -> AbstractContextManager[None]:
     """Choose who draws."""
-    token = _chosen.set(draw)
-    try:
-        yield
-    finally:
-        _chosen.reset(token)
+    return setting(_chosen, draw)
 
 
 @contextmanager

@@ -6,8 +6,8 @@ made: in the system of units that `reading_in` has set, or else as the mission f
 
 import math
 import re
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
+from contextlib import AbstractContextManager
 from contextvars import ContextVar
 from dataclasses import dataclass
 
@@ -15,7 +15,7 @@ from missionplan.mission.quantity_paths import written_phases
 from missionplan.mission.units import FACTORS, QuantityError, number_and_unit, parse_number_with_unit
 from missionplan.montecarlo.statistics import Statistic
 from missionplan.physics.propulsion import JOULES_PER_WATT_HOUR
-from missionplan.report.wording import has_spread, number, set_number, split_key
+from missionplan.report.wording import has_spread, number, set_number, setting, split_key
 from missionplan.results.decision import Axis
 from missionplan.results.entries import mapping, mappings
 
@@ -58,14 +58,9 @@ _chosen: ContextVar[str] = ContextVar("chosen", default="")
 _read: ContextVar[str] = ContextVar("read", default="")
 
 
-@contextmanager
-def using_units(system: str | None) -> Iterator[None]:
+def using_units(system: str | None) -> AbstractContextManager[None]:
     """Write reports in a system of units, whatever their missions say; None leaves it to the missions."""
-    token = _chosen.set(system or "")
-    try:
-        yield
-    finally:
-        _chosen.reset(token)
+    return setting(_chosen, system or "")
 
 
 def given_units() -> str:
@@ -79,14 +74,9 @@ def units_of(data: Mapping[str, object]) -> str:
     return system if isinstance(system, str) and system in SYSTEMS else ""
 
 
-@contextmanager
-def reading_in(system: str) -> Iterator[None]:
+def reading_in(system: str) -> AbstractContextManager[None]:
     """Write quantities in a system of units; empty: as the mission file has them."""
-    token = _read.set(system)
-    try:
-        yield
-    finally:
-        _read.reset(token)
+    return setting(_read, system)
 
 
 def reader_system() -> str:

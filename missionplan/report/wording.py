@@ -8,9 +8,10 @@ import math
 import re
 import textwrap
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from contextvars import ContextVar
 from types import MappingProxyType
+from typing import TypeVar
 
 from missionplan.montecarlo.statistics import Probability
 
@@ -229,6 +230,7 @@ _LONGEST_NAME = 48
 _PLACE = re.compile(r"phases\[(\d+)\]")
 _READS_WELL = re.compile(rf"[\w .,:;'’/+–-]{{1,{_LONGEST_NAME}}}")
 """Names of phases that tables and figures show as they are."""
+Value = TypeVar("Value")
 _names: ContextVar[Mapping[str, str]] = ContextVar("names", default=MappingProxyType({}))
 _WHOLES = ("vehicle", "site", "start", "total", "monte_carlo", "requirements", "energy")
 """First parts of a dotted name that are no phase and read well before the rest: ``vehicle net buoyancy``."""
@@ -261,13 +263,18 @@ def of_phase(quantity: str, phase: str) -> str:
 
 
 @contextmanager
-def phases_named(names: Mapping[str, str]) -> Iterator[None]:
-    """Write phases by their names where their places stand for them in key paths, such as ``phases[1]``."""
-    token = _names.set({place: name for place, name in names.items() if _READS_WELL.fullmatch(name)})
+def setting(variable: ContextVar[Value], value: Value) -> Iterator[None]:
+    """Set a variable while the context lasts."""
+    token = variable.set(value)
     try:
         yield
     finally:
-        _names.reset(token)
+        variable.reset(token)
+
+
+def phases_named(names: Mapping[str, str]) -> AbstractContextManager[None]:
+    """Write phases by their names where their places stand for them in key paths, such as ``phases[1]``."""
+    return setting(_names, {place: name for place, name in names.items() if _READS_WELL.fullmatch(name)})
 
 
 def phase_in_words(phase: str) -> str:

@@ -4,13 +4,11 @@ How far a choice is from the requirements, as they are or relaxed.
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import Literal
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
 from missionplan.arrays import Array
 from missionplan.errors import InputError, Problem
@@ -21,13 +19,12 @@ from missionplan.montecarlo.streams import sized_blocks
 from missionplan.results.decision import Aim
 from missionplan.scenario.scenario import Scenario
 from missionplan.store.checkpoints import Checkpoints
-from missionplan.studies.exploration.cells import CellTask, cell_trials, checked_means
+from missionplan.studies.exploration.cells import CellTask, Columns, cell_trials, checked_means
 from missionplan.studies.exploration.result import AIM_COLUMNS, DURATION, ENERGY
 from missionplan.studies.optimisation import Lattice, Point
 from missionplan.studies.simulation import mooring_anchors
-from missionplan.studies.simulation.block_statistics import SCALES, bound_of, requirement_key
-
-Columns = Mapping[str, NDArray[np.generic]]
+from missionplan.studies.simulation.block_statistics import Side, bounded_column, is_within
+from missionplan.studies.simulation.phase_trials import Flags
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,7 +104,7 @@ class Evaluations:
 
 def columns_needed(mission: Mission) -> tuple[str, ...]:
     """Columns by which choices are judged: energy, duration, and what requirements bound."""
-    bounded = [requirement_key(mission, item.quantity)[0] for item in mission.requirements]
+    bounded = [bounded_column(mission, item)[0] for item in mission.requirements]
     return tuple(dict.fromkeys((DURATION, ENERGY, *bounded)))
 
 
@@ -131,7 +128,7 @@ class Demand:
     """As the mission writes it."""
     column: str
     """Of the trials."""
-    side: Literal["at_most", "at_least"] | None
+    side: Side | None
     """None for an event."""
     limit: float
     """In the column's unit; nan for an event."""
@@ -147,18 +144,14 @@ class Demand:
 
     def probability(self, evaluation: Evaluation) -> Probability:
         """Probability that a trial does as demanded."""
-        met = self._met(evaluation)
-        return Count(int(met.sum()), met.size).probability()
+        return Count.of(self._met(evaluation)).probability()
 
     def slack(self, evaluation: Evaluation) -> float:
         """Probability reached less that required; that of a choice that cannot be run is −1."""
         return -1.0 if evaluation.reason else float(self._met(evaluation).mean()) - self.required
 
-    def _met(self, evaluation: Evaluation) -> "np.ndarray[tuple[int], np.dtype[np.bool_]]":
-        values = evaluation.columns[self.column]
-        if self.side is None:
-            return np.asarray(values, dtype=bool)
-        return np.asarray(values <= self.limit if self.side == "at_most" else values >= self.limit)  # type: ignore[operator]
+    def _met(self, evaluation: Evaluation) -> Flags:
+        return is_within(evaluation.columns[self.column], self.side, self.limit)
 
     def margin(self, evaluation: Evaluation) -> float:
         """Return how far a choice is inside the demand, smooth over choices; negative outside.
@@ -221,12 +214,9 @@ class Demand:
 
 def demands_of(mission: Mission) -> tuple[Demand, ...]:
     """Return a mission's requirements as demands."""
-    demands = []
-    for item in mission.requirements:
-        column, unit = requirement_key(mission, item.quantity)
-        side, limit = bound_of(item) or (None, math.nan)
-        demands.append(Demand(item.quantity, column, side, limit * SCALES.get(unit or "", 1.0), item.probability))
-    return tuple(demands)
+    return tuple(
+        Demand(item.quantity, *bounded_column(mission, item), item.probability) for item in mission.requirements
+    )
 
 
 def violations(demands: Sequence[Demand], evaluation: Evaluation) -> list[float]:

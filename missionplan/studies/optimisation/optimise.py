@@ -11,6 +11,7 @@ from missionplan.errors import InputError, Problem
 from missionplan.mission import MissionOrPath
 from missionplan.mission.mission import with_values
 from missionplan.montecarlo.alternatives import paired_difference, pareto_front
+from missionplan.montecarlo.statistics import Count
 from missionplan.results.optimisation import Obstacle, Optimised, Relaxation, Tried
 from missionplan.results.simulation import Outcome
 from missionplan.studies.exploration import first_start
@@ -216,7 +217,7 @@ class _Problem:
         return tuple(
             Tried(
                 values=self._values(choice.point),
-                success=Demand("total.success", SUCCESS, None, float("nan"), 0.0).probability(choice),
+                success=Count.of(choice.columns[SUCCESS]).probability(),
                 energy=choice.cost("energy"),
                 duration=choice.cost("duration"),
                 slack={f"{of.quantity} {i + 1}": of.slack(choice) for i, of in enumerate(self.demands)},

@@ -1,5 +1,6 @@
 """Statistics and counts of a block of missions, which merge block by block, and the first trials in full."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from enum import StrEnum
@@ -197,15 +198,24 @@ def requirement_flags(mission: Mission, columns: Mapping[str, Array | Flags]) ->
     """Trials that meet each requirement."""
     flags = {}
     for index, requirement in enumerate(mission.requirements):
-        key, unit = requirement_key(mission, requirement.quantity)
-        values, bound = columns[key], bound_of(requirement)
-        if bound is None or unit is None:
-            met = np.asarray(values, dtype=bool)
-        else:  # a trial that never reached the quantity does not meet it
-            limit = bound[1] * SCALES.get(unit, 1.0)
-            met = np.asarray(values <= limit if bound[0] == "at_most" else values >= limit)
-        flags[Counted.requirement(index)] = met
+        column, side, limit = bounded_column(mission, requirement)
+        flags[Counted.requirement(index)] = is_within(columns[column], side, limit)
     return flags
+
+
+def is_within(values: NDArray[np.generic], side: Side | None, limit: float) -> Flags:
+    """Trials in which a quantity keeps a bound, or, without one, an event happens; what was never reached does not."""
+    if side is None:
+        return np.asarray(values, dtype=bool)
+    numbers = values.astype(float, copy=False)
+    return np.asarray(numbers <= limit if side == "at_most" else numbers >= limit)
+
+
+def bounded_column(mission: Mission, requirement: Requirement) -> tuple[str, Side | None, float]:
+    """Column of the trials that a requirement bounds, and its bound in the column's unit; None and nan for an event."""
+    column, unit = requirement_key(mission, requirement.quantity)
+    side, limit = bound_of(requirement) or (None, math.nan)
+    return column, side, limit * SCALES.get(unit or "", 1.0)
 
 
 def requirement_key(mission: Mission, quantity: str) -> tuple[str, str | None]:
