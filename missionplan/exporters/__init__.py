@@ -97,10 +97,10 @@ def _names(fences: Sequence[Fence]) -> str:
     return ", ".join(named[:_NAMES]) + more
 
 
-def unheld_moorings(plan: Plan, what: str = "the mooring") -> tuple[str, ...]:
+def unheld_moorings(plan: Plan) -> tuple[str, ...]:
     """Say of each mooring that a format cannot hold it, with the numbers that the crew needs."""
     return tuple(
-        f"{what} {mooring.name} (release {mooring.release_time:.1f} s after the fix on arrival, by "
+        f"the mooring {mooring.name} (release {mooring.release_time:.1f} s after the fix on arrival, by "
         f"{mooring.release_time_p99:.1f} s in 99 % of cases; hold {mooring.hold:.0f} s; galvanic release "
         f"{mooring.galvanic_release:.0f} s; line {mooring.line_length:.2f} m)"
         for mooring in plan.moorings

@@ -174,20 +174,14 @@ class Ground:
         is_known = np.pad(~np.isnan(self.depth), 1)
         return np.asarray(scipy.ndimage.distance_transform_edt(is_known)[1:-1, 1:-1], dtype=np.float32)
 
-    def slope_at(self, places: Array, step: float = 1.0) -> tuple[Array, Array]:
+    def slope_at(self, places: Array) -> tuple[Array, Array]:
         """Angle of the seafloor, and the direction toward which it falls, clockwise from north, shape (n,) [rad].
 
-        Level where a neighbour is unknown.
-
-        Parameters
-        ----------
-        places : array, shape (2, n)
-            [m]
-        step : float
-            Over twice which the difference is taken; a cell's slope while that is small against the cell [m].
+        That over two metres: of a cell, while these are small against it. Level where a neighbour is unknown. `places`,
+        shape (2, n) [m].
         """
-        east, north = np.array([[step], [0.0]]), np.array([[0.0], [step]])
-        falls = [(self.depth_at(places + side) - self.depth_at(places - side)) / (2.0 * step) for side in (east, north)]
+        sides = np.array([[1.0], [0.0]]), np.array([[0.0], [1.0]])
+        falls = [0.5 * (self.depth_at(places + side) - self.depth_at(places - side)) for side in sides]
         toward_east, toward_north = np.nan_to_num(falls[0]), np.nan_to_num(falls[1])
         angle = np.arctan(np.sqrt(toward_east**2 + toward_north**2))
         return angle, np.arctan2(toward_east, toward_north)

@@ -52,8 +52,7 @@ class Provenance(Record):
     seed: Annotated[int, Entry("of the Monte Carlo")] = 0
     trials: Annotated[int, Entry("of the Monte Carlo; zero where none were run")] = 0
     options: Annotated[Mapping[str, object], Entry("the study's options")] = field(default_factory=dict)
-    elapsed_s: float = field(kw_only=True)
-    """Wall time of the study [s]."""
+    elapsed_s: Annotated[float, Entry("wall time of the study [s]", digits=3)] = field(kw_only=True)
     data: Mapping[str, object] = field(default_factory=dict)
     """The mission file's data with includes in place."""
     notices: Annotated[
@@ -94,11 +93,6 @@ class Provenance(Record):
     def version(self) -> Annotated[str, Entry()]:
         """Version of missionplan."""
         return version_of("missionplan")
-
-    @property
-    def wall_time(self) -> Annotated[float, Entry(unit="s", key="elapsed")]:
-        """Wall time of the study."""
-        return round(self.elapsed_s, 3)
 
     @property
     def created_utc(self) -> Annotated[str, Entry()]:

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from enum import Enum
+from enum import StrEnum
 from typing import TYPE_CHECKING, Annotated, Final, Literal, get_args
 
 import numpy as np
@@ -31,8 +31,9 @@ class HeldState(Record):
     tension_at_nose: Annotated[float, Entry("of the line at the nose", "N")]
     tension_at_anchor: Annotated[float, Entry("of the line at the anchor", "N")]
     anchor_drag: Annotated[float, Entry("the anchor's own", "N")]
-    friction_needed: float
-    """Holding factor with which the anchor just holds; infinite where none does."""
+    friction_needed: Annotated[
+        float, Entry("holding factor with which the anchor just holds; null, here infinite, where none does")
+    ]
     holding_margin: Annotated[float, Entry("see `seafloor.holding_margin`")]
     least_weight: Annotated[
         float, Entry("wet weight with which an anchor of this size just holds", "N", "least_wet_weight")
@@ -43,11 +44,6 @@ class HeldState(Record):
     """Downstream and up from the anchor [m]."""
     uphill: float
     """Rise of the seafloor over a metre downstream."""
-
-    @property
-    def least_friction(self) -> Annotated[float | None, Entry(key="friction_needed")]:
-        """Holding factor with which the anchor just holds; None where none does."""
-        return self.friction_needed if math.isfinite(self.friction_needed) else None
 
     @property
     def grounded(self) -> Annotated[bool, Entry()]:
@@ -70,9 +66,12 @@ class HeldVehicle(Record):
     line_length: float
     """Line length [m]."""
     friction: Annotated[float, Entry("friction coefficient of the anchor on the seafloor", key="holding_factor")]
-    friction_given: bool
-    centres_given: bool
-    """Whether the vehicle file says how the anchor holds, and where the centres of gravity and buoyancy are."""
+    friction_assumed: Annotated[
+        bool, Entry("whether the vehicle file does not say how the anchor holds", key="holding_factor_assumed")
+    ]
+    centres_assumed: Annotated[
+        bool, Entry("whether the vehicle file does not say where the centres of gravity and buoyancy are")
+    ]
     if_polyester: Annotated[
         float | None,
         Entry(
@@ -88,16 +87,6 @@ class HeldVehicle(Record):
     ]
 
     @property
-    def friction_assumed(self) -> Annotated[bool, Entry(key="holding_factor_assumed")]:
-        """Whether the vehicle file does not say how the anchor holds."""
-        return not self.friction_given
-
-    @property
-    def centres_assumed(self) -> Annotated[bool, Entry()]:
-        """Whether the vehicle file does not say where the centres of gravity and buoyancy are."""
-        return not self.centres_given
-
-    @property
     def line_weight_assumed(self) -> Annotated[bool, Entry()]:
         """Whether the line is taken as weightless."""
         return self.if_polyester is not None
@@ -111,7 +100,7 @@ Way = Literal["not released", "adrift at the surface", "on the seafloor", "still
 WAYS: tuple[Way, ...] = get_args(Way)
 
 
-class DriftAssumption(Enum):
+class DriftAssumption(StrEnum):
     """What search areas take for granted, and what that means."""
 
     NO_WIND = "The mission has no wind: a vehicle afloat goes with the water alone (site.wind)."
@@ -194,13 +183,7 @@ class Overdue(Record):
     missing: Annotated[Mapping[str, float], Entry("share of the trials that never end, by the step at which they fail")]
     areas: Annotated[tuple[SearchArea, ...], Entry("way by way, by hours overdue")]
     searches: Annotated[int, Entry("searches that found nothing and are allowed for")] = 0
-    assumptions: tuple[DriftAssumption, ...] = ()
-    """On which the areas rest."""
-
-    @property
-    def assumed(self) -> Annotated[list[str], Entry(key="assumptions")]:
-        """What the areas rest on, in words."""
-        return [assumption.value for assumption in self.assumptions]
+    assumptions: Annotated[tuple[DriftAssumption, ...], Entry("what the areas rest on, in words")] = ()
 
     @property
     def worry_share(self) -> Annotated[float, Entry()]:

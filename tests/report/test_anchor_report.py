@@ -85,7 +85,7 @@ def test_the_page_has_its_figures(sizing, tmp_path):
     names = {path.stem for path in (tmp_path / "report" / "figures").iterdir()}
     assert names == {"anchor", "drag", "descent", "drift", "hold"}
     assert page(sizing).verdict == "undecided"  # it drags with a holding factor that is assumed
-    assert page(replace(sizing, held=replace(sizing.held, friction_given=True))).verdict == "good"
+    assert page(replace(sizing, held=replace(sizing.held, friction_assumed=False))).verdict == "good"
     assert {"anchor.csv", "descent.csv"} <= {path.name for path in (tmp_path / "report").iterdir()}
     assert sizing.files()["anchor.csv"].splitlines()[0] == "quantity,worst_case,probable"
     frame = sizing.descent_frame()

@@ -91,7 +91,7 @@ def test_the_first_current_in_which_it_drags_is_told_where_its_holding_is_assume
         SimpleNamespace(holding_margin=each, current=f"current {k}", speed=0.5 + 0.01 * k)
         for k, each in enumerate(margins)
     ]
-    held = SimpleNamespace(states=states, friction=0.4, friction_given=given)
+    held = SimpleNamespace(states=states, friction=0.4, friction_assumed=not given)
     assert plain(_drags_in_words(sizing(held=held))) == words
     assert _drags_in_words(sizing()) == ""
 

@@ -170,7 +170,7 @@ def test_a_current_that_stays_as_it_is_is_told_once():
 
 def test_the_report_says_what_it_assumed():
     with style():
-        given = replace(stands(), friction_given=True, centres_given=True)
+        given = replace(stands(), friction_assumed=False, centres_assumed=False)
         bare, told = (
             [each.caption for each in hold_section(held).blocks if isinstance(each, Table)]
             for held in (stands(), given)

@@ -177,9 +177,9 @@ def hold_section(hold: HeldVehicle, *, alone: bool = True) -> PageSection:
 def _held_by(hold: HeldVehicle) -> str:
     """Write what holds the vehicle where it is, and what of it the mission does not say."""
     words = f"{quantity(hold.anchor_weight, 'N', '.3g')} wet and a holding factor of {hold.friction:g}"
-    if not hold.friction_given:
+    if hold.friction_assumed:
         words += " (assumed: 0.2 on clay to 0.6 on sand)"
-    if not hold.centres_given:
+    if hold.centres_assumed:
         words += ", the net buoyancy at mid-length (assumed: centre_of_gravity, centre_of_buoyancy)"
     if hold.if_polyester is None:
         return f"With an anchor of {words}."

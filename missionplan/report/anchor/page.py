@@ -168,7 +168,7 @@ def _which(sizing: AnchorSizing) -> str:
 def _drags_in_words(sizing: AnchorSizing) -> str:
     """Write that the anchor would drag, where the mission does not say how it holds."""
     hold = sizing.held
-    if hold is None or hold.friction_given or all(state.holding_margin >= 0.0 for state in hold.states):
+    if hold is None or not hold.friction_assumed or all(state.holding_margin >= 0.0 for state in hold.states):
         return ""
     state = next(state for state in hold.states if state.holding_margin < 0.0)
     return (

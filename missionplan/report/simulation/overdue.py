@@ -44,7 +44,7 @@ def overdue_section(outcome: Outcome) -> Iterator[PageSection]:
         f"If it does not come back: worry after {_clock(sheet.worry_after, start)}",
         [
             *blocks,
-            words + in_reader_units(" ".join(assumption.value for assumption in sheet.assumptions)),
+            words + in_reader_units(" ".join(sheet.assumptions)),
             *_battery(sheet),
         ],
         is_sheet=True,

@@ -213,11 +213,11 @@ def _holds_in_words(outcome: Outcome) -> Iterator[str]:
         dragged = wilson(moored - round(phase.events["anchor_holds"].value * trials), trials)
         grounded = phase.events["grounded"]
         where, factor = phase_in_words(hold.phase), f"with an assumed holding factor of {hold.friction:g}"
-        for is_given, count, words in (
-            (hold.friction_given, dragged, f"{factor} the anchor ({where}) drags"),
-            (hold.centres_given, grounded, f"with its centres assumed the hull touches the seafloor ({where})"),
+        for is_assumed, count, words in (
+            (hold.friction_assumed, dragged, f"{factor} the anchor ({where}) drags"),
+            (hold.centres_assumed, grounded, f"with its centres assumed the hull touches the seafloor ({where})"),
         ):
-            if not is_given and count.value > _WORTH_TELLING:
+            if is_assumed and count.value > _WORTH_TELLING:
                 yield f"Not counted as failures: {words} in {share(count)} of the trials."
 
 
