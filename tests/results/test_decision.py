@@ -76,7 +76,7 @@ def test_members_and_assumptions_are_told_by_the_worst_and_the_one_that_turns_th
         Assumption("it is calm", "a swell", -0.012, 0.938),
         Assumption("the log is right", "2 % more", -0.55, 0.4, ("out.arrived",)),
     )
-    (section,) = explained._section(assumed)
+    (section,) = explained._section(assumed, assumed[1:])
     assert [plain(cell) for cell in section.blocks[0].rows[1]] == [
         "the log is right",
         "2 % more",
@@ -85,10 +85,10 @@ def test_members_and_assumptions_are_told_by_the_worst_and_the_one_that_turns_th
         "could turn the answer",
     ]
     assert (section.heading, section.blocks[0].rows[0][4]) == ("1 of its assumptions could turn this", "")
-    assert explained._turning_in_words(assumed) == (
+    assert explained._turning_in_words(assumed[1:]) == (
         " But this assumes that the log is right: with 2 % more it succeeds 40 % of the time and misses what is required of arrival (out)."
     )
-    assert explained._heading(assumed[:1]) == "None of these assumptions alone could turn this"
+    assert explained._heading(assumed[:1], 0) == "None of these assumptions alone could turn this"
 
 
 @pytest.mark.parametrize(
