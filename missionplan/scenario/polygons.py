@@ -204,9 +204,9 @@ def read_zones(chart: Chart, start: datetime | None, *, is_land: bool) -> tuple[
     zones: list[Zone] = []
     count = 0
     for number, (geometry, properties) in enumerate(shapes, start=1):
-        parts = _polygons(_across_date_line(geometry) if system == DEGREES else geometry)
+        parts = _polygons(_across_date_line(geometry) if system == DEGREES else _moved(chart, geometry, system))
         count += len(parts)
-        placed = [polygon for part in parts for polygon in _placed(chart, part, system, windows)]
+        placed = [polygon for part in parts for polygon in _placed(chart, part, windows)] if windows else parts
         near = [part for part in placed if shapely.intersects(part, box)]
         if near:
             name = str(properties.get("name") or f"{chart.path.stem} {number}")
@@ -225,7 +225,7 @@ def _polygons(geometry: "Geometry") -> "list[Geometry]":
     if geometry.geom_type == "Polygon" and geometry.is_valid:
         return [] if geometry.is_empty else [geometry]
     if geometry.geom_type == "Polygon":
-        return _polygons(shapely.make_valid(geometry))
+        return _polygons(shapely.make_valid(geometry, method="structure", keep_collapsed=False))
     parts = shapely.get_parts(geometry) if hasattr(geometry, "geoms") else ()
     return [polygon for part in parts for polygon in _polygons(part)]
 
@@ -262,28 +262,28 @@ def _windows(chart: Chart) -> list[tuple[float, float, float, float]]:
     return [(west - turn, south, east - turn, north) for turn in (-360.0, 0.0, 360.0)]
 
 
-def _placed(
-    chart: Chart, polygon: "Geometry", system: str, windows: list[tuple[float, float, float, float]]
-) -> "list[Geometry]":
-    """Place a polygon in the plane; of one in degrees, which may be a continent, what lies in the windows."""
+def _moved(chart: Chart, geometry: "Geometry", system: str) -> "Geometry":
+    """Move a geometry from a reference system into the plane."""
     import shapely
 
     if system == LOCAL:
-        return [polygon]
+        return geometry
+    return shapely.transform(
+        shapely.force_2d(geometry), lambda points: chart.to_plane(points[:, 0], points[:, 1], system).T
+    )
 
-    def moved(points: Array) -> Array:
-        return chart.to_plane(points[:, 0], points[:, 1], system).T
 
-    if system == DEGREES:
-        west, south, east, north = polygon.bounds
-        if not (-361.0 <= west <= east <= 361.0 and -90.001 <= south <= north <= 90.001):
-            hint = f"{chart.key}.projection: EPSG:… names their system; `local` is for metres from the origin"
-            raise chart.problem("its coordinates are not degrees", hint)
-        cut = [shapely.clip_by_rect(polygon, *window) for window in windows]
-        parts = [shapely.segmentize(part, _LONGEST_EDGE) for piece in cut for part in _polygons(piece)]
-    else:
-        parts = [polygon]
-    return [piece for part in parts for piece in _polygons(shapely.transform(shapely.force_2d(part), moved))]
+def _placed(chart: Chart, polygon: "Geometry", windows: list[tuple[float, float, float, float]]) -> "list[Geometry]":
+    """Place what lies in the windows of a polygon in degrees, which may be a continent, in the plane."""
+    import shapely
+
+    west, south, east, north = polygon.bounds
+    if not (-361.0 <= west <= east <= 361.0 and -90.001 <= south <= north <= 90.001):
+        hint = f"{chart.key}.projection: EPSG:… names their system; `local` is for metres from the origin"
+        raise chart.problem("its coordinates are not degrees", hint)
+    cut = [shapely.clip_by_rect(polygon, *window) for window in windows]
+    parts = [shapely.segmentize(part, _LONGEST_EDGE) for piece in cut for part in _polygons(piece)]
+    return [piece for part in parts for piece in _polygons(_moved(chart, part, DEGREES))]
 
 
 _BLANKS = ("", "None", "nan", "NaT")

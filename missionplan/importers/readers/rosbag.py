@@ -186,10 +186,7 @@ def _track(
     parts = [plane_positions(line["t"], line[east], line[north], gps_fixes, origin) for line in lines]
     turned = np.degrees(joined("yaw")) if is_down else 90.0 - np.degrees(joined("yaw"))
     own_depth = series(t, z if is_down else -z) if np.any(z) else Series()
-    off = float(np.median(fixed["arrived"] - fixed["t"])) if len(fixed) else 0.0
-    off = off if abs(off) > _DELAY else 0.0
-    way = "before" if off > 0.0 else "after"
-    late = [f"stamps count as times, which are {abs(off):.0f} s {way} the record of their messages"] if off else []
+    off, late = _late(fixed)
     deep_t = deep["t"] - off * (deep["stamped"] == 0.0)
     notices = [f"{quantity} from the topic {topic}" for quantity, topic in chosen.items() if topic]
     return Track(
@@ -208,6 +205,15 @@ def _track(
             *late,
         ),
     )
+
+
+def _late(fixed: Samples) -> tuple[float, list[str]]:
+    """By how much messages are recorded after their stamps, where that is no delay [s], and what is said of it."""
+    off = float(np.median(fixed["arrived"] - fixed["t"])) if len(fixed) else 0.0
+    if abs(off) <= _DELAY:
+        return 0.0, []
+    way = "before" if off > 0.0 else "after"
+    return off, [f"stamps count as times, which are {abs(off):.0f} s {way} the record of their messages"]
 
 
 def _is_downwards(z: Array) -> bool:

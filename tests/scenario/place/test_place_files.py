@@ -490,3 +490,25 @@ def test_polygons_far_away_are_told_of(write, tmp_path):
     there, site = (np.radians(each) for each in ((LONGITUDE, LATITUDE), (LATITUDE, LONGITUDE)))
     cosine = np.sin(there[0]) * np.sin(site[0]) + np.cos(there[0]) * np.cos(site[0]) * np.cos(there[1] - site[1])
     assert float(found[1]) == pytest.approx(6371.0 * np.arccos(cosine), rel=0.01)
+
+
+def test_a_hole_at_the_edge_of_its_polygon_is_water(tmp_path, write):
+    """As where a land with a lake is cut at the date line."""
+    ring = [[-76.02, 36.99], [-75.98, 36.99], [-75.98, 37.01], [-76.02, 37.01], [-76.02, 36.99]]
+    lake = [[-75.99, 36.995], [-75.98, 36.995], [-75.98, 37.005], [-75.99, 37.005], [-75.99, 36.995]]
+    (tmp_path / "land.geojson").write_text(json.dumps({"type": "Polygon", "coordinates": [ring, lake]}))
+    (zone,) = placed(write("m", land={"file": "land.geojson"})).zones
+    assert not shapely.intersects(zone.geometry, shapely.Point(1400.0, 0.0))
+    assert shapely.intersects(zone.geometry, shapely.Point(1400.0, 900.0))
+
+
+def test_polygons_of_a_mercator_map_over_the_date_line_keep_their_holes(tmp_path, write):
+    turn = 20_037_508.342789244  # half of it, where longitudes begin anew
+    box = shapely.box(-3e3, -3e3, 3e3, 3e3).difference(shapely.box(-1e3, -1e3, 1e3, 1e3))
+    wrapped = shapely.transform(box, lambda points: points - [1.0, 0.0] * np.sign(points[:, :1]) * turn)
+    said = {"crs": {"type": "name", "properties": {"name": "EPSG:3857"}}}
+    (tmp_path / "land.geojson").write_text(json.dumps(shapely.geometry.mapping(wrapped) | said))
+    origin = {"latitude": "0 deg", "longitude": "180 deg"}
+    (zone,) = placed(write("m", origin=origin, land={"file": "land.geojson"})).zones
+    assert zone.geometry.area == pytest.approx(32e6, rel=0.01)
+    assert not shapely.intersects(zone.geometry, shapely.Point(0.0, 0.0))
