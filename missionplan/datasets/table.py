@@ -74,7 +74,7 @@ class CsvTable:
 def plain_table(path: Path, columns: Collection[str], max_bytes: int) -> pd.DataFrame:
     """Read the cells of some columns, numbers or text, nan where blank; the index is the file's line.
 
-    Raises InputError when it is no such file.
+    Raises InputError when it is no such file, or all its rows are marked.
     """
     file = str(path)
     check_file(path, max_bytes)
@@ -85,7 +85,8 @@ def plain_table(path: Path, columns: Collection[str], max_bytes: int) -> pd.Data
     ]
     if problems:
         raise InputError(problems)
-    rows = read_cells(path, header, list(columns), ())
+    rows = read_cells(path, header, [*columns, *(["ok"] if "ok" in header else [])], ())
+    rows = _without_marked(rows)[0].filter(list(columns))
     rows = rows.mask(rows.isin(BLANKS)).dropna(how="all")
     if rows.empty:
         raise InputError([Problem("has no rows of data", file, 1)])

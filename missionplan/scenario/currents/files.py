@@ -76,7 +76,8 @@ _STATISTIC = re.compile(r"standard_deviation|variance|maximum|minimum|range|sum_
 """Of the cells that a value is of, what is no velocity of any moment (CF 1.11, appendix E)."""
 _FILLS = 3
 """At fewer places no number stands for none."""
-MEMBER_DIMENSIONS = ("member", "ensemble", "ensemble_member", "realization", "number", "ens")
+_MEMBERS = re.compile(r"(n_?)?ens(emble)?_?(mem(ber)?|number|id)?s?|mem(ber)?s?|reali[sz]ation|number")
+"""Name of the dimension of an ensemble's members, in small letters."""
 
 
 @dataclass(frozen=True)
@@ -247,8 +248,13 @@ class FieldFiles:
 
     def members(self) -> str | None:
         """Return the dimension along which the members of an ensemble lie."""
-        dims = {str(dim) for dataset in self.datasets for dim in dataset.dims}
-        return next((name for name in MEMBER_DIMENSIONS if name in dims), None)
+        axes = [(str(dim), dataset[dim]) for dataset in self.datasets for dim in dataset.dims]
+        said = [
+            dim
+            for dim, axis in axes
+            if (_MEMBERS.fullmatch(dim.lower()) and not is_vertical(axis)) or standard_name(axis) == "realization"
+        ]
+        return next(iter(said), None)
 
     def at_one_height(self) -> "FieldFiles":
         """Return a wind without the axis of its one height.

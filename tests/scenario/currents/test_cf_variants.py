@@ -10,7 +10,7 @@ from missionplan.mission.schema.place import Geographic, to_geographic
 from missionplan.scenario.currents import attributes
 from missionplan.scenario.currents.area import Area
 from missionplan.scenario.currents.files import undeclared_fill
-from missionplan.scenario.currents.reading import read_field
+from missionplan.scenario.currents.reading import member_count, read_field
 
 netcdf = pytest.importorskip("netCDF4")
 pytest.importorskip("xarray")
@@ -542,3 +542,26 @@ def test_a_stream_to_and_fro_is_no_number_that_stands_for_none():
     tide = np.cos(np.linspace(0.0, 6.0, 50))[:, None] * np.ones(30)
     assert np.isnan(undeclared_fill(3.0 * tide, 2.0 * tide)).all()
     assert undeclared_fill(np.where(tide > 0.9, 9.0, tide), np.where(tide > 0.9, -8.0, tide)) == (9.0, -8.0)
+
+
+@pytest.mark.parametrize("name", ["member", "Ensemble", "n_ens", "ens_mem", "realisation", "number", "k"])
+def test_members_lie_along_any_of_their_names_and_in_any_place(tmp_path, plain, name):
+    xarray = pytest.importorskip("xarray")
+    path, field = tmp_path / "field.nc", opened_field(tmp_path / "plain.nc")
+    members = xarray.concat([field.assign(u=field["u"] + 0.1 * k) for k in range(3)], name, data_vars="all")
+    said = {"standard_name": "realization"} if name == "k" else {}
+    members = members.assign_coords({name: (name, [7, 8, 9], said)}).transpose("lev", name, ...)
+    members.to_netcdf(path)
+    assert member_count([str(path)], "field") == 3
+    area = Area(ORIGIN, np.datetime64("2026-06-01T00:30", "ns"), np.zeros((2, 1)))
+    t = np.arange(0.0, 18_000.0, 600.0)
+    for k in range(3):
+        current = read_field([str(path)], area, "field", k)
+        way = 600.0 * sum(current.velocity(each, 8.0, np.array([[700.0], [-900.0]]))[:, 0] for each in t)
+        assert way == pytest.approx(plain[0] + [1800.0 * k, 0.0], rel=2e-5)
+
+
+def test_depths_are_no_members_whatever_their_axis_is_called(tmp_path, plain):
+    opened_field(tmp_path / "plain.nc").rename(lev="number").to_netcdf(tmp_path / "field.nc")
+    assert member_count([str(tmp_path / "field.nc")], "field") == 1
+    assert drift(tmp_path / "field.nc") == pytest.approx(plain, rel=2e-5)

@@ -33,6 +33,8 @@ def test_rows_in_any_order_by_seconds_or_by_dates(tmp_path):
     same(read(tmp_path, ROWS))
     same(read(tmp_path, ROWS.iloc[::-1]))
     same(read(tmp_path, ROWS.sample(frac=1.0, random_state=3)[list(CURRENT_LIMITS)[::-1]]))
+    marked = pd.concat([ROWS.assign(ok=1), ROWS.assign(ok=0, east_m_s=99.0)])
+    same(read(tmp_path, marked))  # what is marked is left out unseen, as of data sets
     dated = ROWS.assign(t_s=[(START + timedelta(seconds=t)).isoformat() for t in ROWS["t_s"]])
     same(read(tmp_path, dated, start=START))
     since_1970 = ROWS.assign(t_s=ROWS["t_s"] + START.timestamp())
