@@ -1,7 +1,7 @@
 """What the diagnosis asks of a kind of data, and the kinds: a new one has a folder of its own and a line in `KINDS`."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from importlib import import_module
 from pathlib import Path
 from typing import Protocol, Self, cast
@@ -52,6 +52,10 @@ class BoundModel(WeighsAllSets, Protocol):
     def given(self) -> tuple[GivenEffect, ...]:
         """The mission's own effects, those that the data could show."""
         ...
+
+
+PutOff = tuple[str, str, BoundModel]
+"""What is taken as exact, what is put in its place, and the model then."""
 
 
 class DataKind(ABC):
@@ -140,6 +144,10 @@ class DataKind(ABC):
     def not_constant(self, best: CauseFit) -> Causes:
         """Return the causes of a fit that do not hold still over the record."""
         return ()
+
+    def put_off(self) -> Iterator[PutOff]:
+        """Yield what the data set takes as exact, what is put in its place, and the model then."""
+        yield from ()
 
     def aliases(self, best: CauseFit) -> tuple[Alias, ...]:
         """Return effects that do to these data what a claimed cause does, but not on the way back."""

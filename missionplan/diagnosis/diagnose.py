@@ -16,13 +16,15 @@ from missionplan.diagnosis.experiment_design import Discrimination, discriminati
 from missionplan.diagnosis.explanations import Weighed, hypotheses, odds, weighed, weighed_with_causes, with_found
 from missionplan.diagnosis.extended_mission import extended_mission
 from missionplan.diagnosis.given import forecast_notice
+from missionplan.diagnosis.inference.model import CauseFit, FitRequest, fitted
 from missionplan.diagnosis.inference.selection import Candidate
 from missionplan.diagnosis.pipeline import PipelineResult, judge, read, run_pipeline
 from missionplan.diagnosis.plan_gain import with_urgency
+from missionplan.effects import CATALOGUE
 from missionplan.mission import Mission, MissionOrPath
 from missionplan.results import Provenance
 from missionplan.results.learned import Diagnosis, PlanGain
-from missionplan.results.learned.evidence import GroupScore, Judgement, RankedSet
+from missionplan.results.learned.evidence import Causes, GroupScore, Judgement, RankedSet, TakenAsExact
 from missionplan.results.learned.levels import ParameterLevels
 from missionplan.results.learned.next_trial import NextTrial
 from missionplan.store.folder import as_path
@@ -147,7 +149,53 @@ def _diagnose(
         last = score_last_part(dataset, asked.holdout, mission, extended, seed)
     levels = _levels(Mission.from_data(extended, file=mission.file), seed, urgency=asked.plan and is_new)
     in_doubt = odds(explanations, believed)
-    return replace(result, next_trial=trial, explanations=in_doubt, last_part=last, levels=levels)
+    exact = taken_as_exact(bound, pipeline_result, jobs) if asked.plan and is_new else ()
+    return replace(result, exact=exact, next_trial=trial, explanations=in_doubt, last_part=last, levels=levels)
+
+
+NEAREST = 2
+"""Sets of the ranking beside the claimed one and none, of which one may be likelier when something is put off."""
+
+
+def taken_as_exact(bound: DataKind, pipeline_result: PipelineResult, jobs: int = 1) -> tuple[TakenAsExact, ...]:
+    """Fit the likeliest sets again with each thing that is taken as exact put off; what matters most comes first.
+
+    The score of a set then is that of now and what its evidence gains. Nothing is said where what is claimed has no
+    name, and of what cannot be fitted.
+    """
+    claimed = pipeline_result.best.causes
+    scores: dict[Causes, float] = {(): 0.0}
+    scores |= {one.causes: one.score for one in pipeline_result.selection.ranking if _is_named(one.causes)}
+    if claimed not in scores:
+        return ()
+    sets = list(dict.fromkeys([(), claimed, *list(scores)[1 : NEAREST + 1]]))
+    wanted: list[FitRequest] = [(causes, ()) for causes in sets]
+    models = (("", "", bound.model), *bound.put_off())
+    (_, _, now), *others = [(what, instead, fitted(model, wanted, jobs)) for what, instead, model in models]
+    known, rows = np.array([scores[causes] for causes in sets]), []
+    for what, instead, then in others:
+        pairs = [
+            (was, is_now)
+            for was, is_now in zip(now, then, strict=True)
+            if isinstance(was, CauseFit) and isinstance(is_now, CauseFit)
+        ]
+        if len(pairs) < len(sets):
+            continue
+        gains = np.array([is_now.log_evidence - was.log_evidence for was, is_now in pairs])
+        first, likeliest = (sets[int(np.argmax(masses))] for masses in (known, known + gains))
+        before, after = pairs[sets.index(claimed)]
+        moved = [
+            replace(was, value=is_now.value - was.value, low=is_now.low - was.low, high=is_now.high - was.high)
+            for was, is_now in zip(before.estimates, after.estimates, strict=True)
+            if CATALOGUE[was.effect].tier == "physical"
+        ]
+        most = max(moved, key=lambda move: abs(move.value) / max(move.sd, 1e-30), default=None)
+        rows.append(TakenAsExact(what, instead, most, likeliest, likeliest != first))
+    return tuple(sorted(rows, key=lambda row: (not row.turns, -row.in_sd)))
+
+
+def _is_named(causes: Causes) -> bool:
+    return all(CATALOGUE[name].tier != "neutral" for name in causes)
 
 
 def _next_trial(

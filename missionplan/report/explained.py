@@ -166,8 +166,9 @@ def judged_in_words(judged: Outcome | None) -> str:
     if judged.requirements_met and not works(judged):
         success = percent(judged.total.events["success"])
         return f" But the mission with it fails more often than not: on fresh draws it succeeds in {success}."
-    missed = [item for item in judged.requirements if not item.met]
-    if not missed:
+    below = [item for item in judged.requirements if not item.met]
+    missed = [item for item in below if not item.undecided]
+    if not below:
         if not (count := len(judged.requirements)):
             return ""
         met = {1: "its requirement", 2: "both requirements"}.get(count, f"all {count} requirements")
@@ -175,9 +176,12 @@ def judged_in_words(judged: Outcome | None) -> str:
     words = "; ".join(
         f"{requirement_in_words(judged, item)} in {percent(item.probability)}, "
         f"{100.0 * item.required:g}\u00a0% required"
-        for item in missed
+        for item in missed or below
     )
-    return f" But the mission with it misses a requirement on fresh draws: {words}."
+    if not missed:
+        return f" But whether the mission with it meets what is required is undecided on fresh draws: {words}."
+    many = "a requirement" if len(missed) == 1 else f"{len(missed)} requirements"
+    return f" But the mission with it misses {many} on fresh draws: {words}."
 
 
 _LEAST_CHANGE = 0.02

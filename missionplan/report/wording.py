@@ -107,6 +107,12 @@ def portion_in_words(portion: float, decimals: int = 0) -> str:
     return f"{100.0 * portion:.{decimals}f} %"
 
 
+def beside(portion: float, limit: float) -> str:
+    """Write a part of a whole beside what it is held to, with the decimals that tell them apart: ``89.96 %``."""
+    alike = (places for places in range(1, 6) if f"{100.0 * portion:.{places}f}" != f"{100.0 * limit:.{places}f}")
+    return portion_in_words(portion, next(alike, 1))
+
+
 def _towards(value: float, direction: int) -> str:
     """Round a bound outwards at the first digit of its distance from 0 or 100."""
     decimals = max(0, _decimals(min(value, 100.0 - value)))

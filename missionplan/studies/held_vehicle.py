@@ -210,7 +210,7 @@ def _remedies(hold: Hold, means: Scenario, layers: LayersAbove, faults: Iterator
         if remedies:
             words += f" It would be mended by {'; or by '.join(remedies)}."
         if useless:
-            words += f" No {' and no '.join(useless)} from a twentieth to twenty times the present one does."
+            words += f" No {' and no '.join(useless)} from a twentieth to twenty times the present one would."
         yield words
 
 

@@ -92,7 +92,7 @@ def test_tables_of_the_evidence_have_each_number_in_its_column() -> None:
         ["speed scale", "4.2", "3.2", "75.0 %"],
         ["compass bias", "4.5", "3.5", "20.0 %"],
     ]
-    assert plain(table[3].rows) == [["fraction of speed scale", "0.2", "0.12 to 0.285", ""]]
+    assert plain(table[3].rows) == [["fraction of speed scale", "0.20", "0.12 to 0.29", ""]]
     (section,) = evidence.held_out_section(diagnosed(best=None))
     assert section.heading.startswith("Predicted better when held out: 2 of 3 parts")
     assert plain(section.blocks[1].rows)[:2] == [["part 0", "+3.0", "0.04", "0.02"], ["part 1", "-1.5", "1.04", "1.02"]]

@@ -17,6 +17,7 @@ from missionplan.results.learned.evidence import (
     HeldOutGain,
     ParameterEstimate,
     RankedSet,
+    TakenAsExact,
 )
 from missionplan.results.learned.levels import Level, ParameterLevels
 
@@ -34,7 +35,7 @@ def ranked(*causes: str, score: float = 4.0, posterior: float | None = 0.75) -> 
 def diagnosed(best: RankedSet | None, **given: Any) -> Any:
     usual = {"kind": "transit", "best": best, "causes": best.causes if best else (), "ranking": (best,) if best else (), "none_of_these": 0.123, "nothing": 0.8,
              "verdict": "explained", "coverage": None, "scores": (), "indistinguishable": (), "untestable": {}, "learned_from": ("a",), "suspect_labels": "",
-             "readings": SimpleNamespace(wrong_fixes=()), "discrepancy": SimpleNamespace(axis=None)}  # fmt: skip
+             "readings": SimpleNamespace(wrong_fixes=()), "discrepancy": SimpleNamespace(axis=None), "exact": ()}  # fmt: skip
     return SimpleNamespace(**{**usual, **given})
 
 
@@ -224,6 +225,28 @@ def test_probabilities_of_explanations_are_told_beside_what_they_were() -> None:
     ]
 
 
+@pytest.mark.parametrize(
+    ("first", "second", "told"),
+    [
+        ("compass-bias", "compass-bias", "Second."),
+        ("compass-bias", "speed-scale", "First. Second."),
+        ("mean-current", "mean-current", "First. Second."),
+    ],
+)
+def test_what_two_data_sets_find_of_the_vehicle_is_told_once(first, second, told, monkeypatch) -> None:
+    """The second began with what the first had found; a current is another elsewhere."""
+    monkeypatch.setattr(findings, "finding_in_words", lambda each: each.words)
+    pair = tuple(
+        diagnosed(None, words=words, causes=(cause,), changed=(), borne_out=(), learned_from=(words,), levels=())
+        for words, cause in (("First.", first), ("Second.", second))
+    )
+    found: Any = SimpleNamespace(
+        provenance=SimpleNamespace(options={"plan": True}), diagnoses=pair, names=("a", "b"), informed_by={first: ("a",)}, shared=(),
+        extended={"posterior": {"summary": {first: {"probability": 1.0}}}},
+    )  # fmt: skip
+    assert campaign.answer(found).startswith(f"{told} Together 2 data sets tell of")
+
+
 def test_several_data_sets_are_told_with_what_they_share_and_what_stays_in_doubt(monkeypatch) -> None:
     monkeypatch.setattr(findings, "finding_in_words", lambda each: each.words)
     one, two = (
@@ -343,3 +366,37 @@ def test_a_change_is_claimed_where_the_mission_has_each_of_the_causes(monkeypatc
     found.ranking = (*found.ranking, ranked("speed-scale", posterior=0.2))
     turns = " Whether this current turns, the record cannot show: drag bias and added mass 75.0 %, speed scale 20.0 %."
     assert plain(page._claim(found)) == f"The misfit is explained by {what}.{turns}"
+
+
+ANGLE = ParameterEstimate("compass-bias", "angle", -0.0349, 0.01, -0.0349, -0.0349, "rad")
+TURNED = TakenAsExact("the headings are true", "2° more", ANGLE, (), True)
+MOVED = replace(TURNED, likeliest=("compass-bias",), turns=False)
+SLOW = replace(MOVED, what="the clock runs right", moves=replace(ANGLE, value=0.001))
+UNCLAIMED = replace(SLOW, moves=None)
+
+
+@pytest.mark.parametrize(
+    ("exact", "heading", "headline"),
+    [
+        ((), None, ""),
+        ((SLOW, UNCLAIMED), "None of what this takes as exact could turn it", ""),
+        (
+            (MOVED, SLOW),
+            "This takes as exact that the headings are true: 2° more moves the angle of compass bias by 2.00°",
+            "",
+        ),
+        (
+            (TURNED, MOVED, SLOW),
+            "1 of what this takes as exact could turn it",
+            " But this takes as exact that the headings are true: with 2° more no cause is likelier.",
+        ),
+    ],
+)
+def test_what_is_taken_as_exact_stands_beside_what_it_is_worth(exact, heading, headline) -> None:
+    shown = diagnosed(ranked("compass-bias"), exact=exact)
+    assert evidence.exact_in_words(shown) == headline
+    assert [plain(section.heading) for section in evidence.exact_section(shown)] == ([heading] if heading else [])
+    for (section,) in [evidence.exact_section(shown)] if exact else []:
+        told = {row[0]: [plain(cell) for cell in row[1:]] for row in section.blocks[0].rows}
+        assert told["the clock runs right"][1] in ("angle of compass bias by 0.057°", "")
+        assert told.get("the headings are true", ["", "", "3.5"])[2] == "3.5"

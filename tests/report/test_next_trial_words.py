@@ -97,6 +97,7 @@ def diagnosed(**given: Any) -> Any:
         "none_of_these": 0.1,
         "nothing": 0.6,
         "provenance": SimpleNamespace(options={}),
+        "exact": (),
         "coverage": None,
         "explanations": (),
         "verdict": "ambiguous",

@@ -1,7 +1,7 @@
 """Dive logs as a kind of data, with residuals reading by reading and the misfit in the planner's terms."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Self
 
@@ -10,7 +10,7 @@ import pandas as pd
 
 from missionplan.datasets.dives import read_descent
 from missionplan.diagnosis.coordinates import Coordinate
-from missionplan.diagnosis.data_kind import DataKind
+from missionplan.diagnosis.data_kind import DataKind, PutOff
 from missionplan.diagnosis.dives.consistency import EXCHANGED, not_constant
 from missionplan.diagnosis.dives.model import DescentModel, check_leaves_surface, descent_model
 from missionplan.diagnosis.dives.preparation import PreparedDives, prepare_dives
@@ -86,6 +86,18 @@ class DescentKind(DataKind):
     def not_constant(self, best: CauseFit) -> Causes:
         """Return the causes whose strengths differ from dive to dive."""
         return not_constant(self.model, best)
+
+    def put_off(self) -> Iterator[PutOff]:
+        """Yield what the dives take as exact, what is put in its place, and the model then."""
+        heavy = [replace(dive, wet_weight=1.02 * dive.wet_weight) for dive in self.data.dives]
+        long = [replace(dive, line_length=1.02 * dive.line_length) for dive in self.data.dives]
+        late = [replace(dive, t=1.01 * dive.t, fine=1.01 * dive.fine) for dive in self.data.dives]
+        for words, otherwise, dives in (
+            ("anchors weigh what their labels say", "2 % more", heavy),
+            ("lines are as long as stated", "2 % longer", long),
+            ("the clock runs right", "one that is 1 % slow", late),
+        ):
+            yield words, otherwise, descent_model(replace(self.data, dives=tuple(dives)), self.mission)
 
     def suspect_labels(self, selection: Selection) -> str:
         """Say between which dives the labels of the weights look exchanged."""

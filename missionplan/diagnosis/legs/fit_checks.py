@@ -16,6 +16,8 @@ from missionplan.diagnosis.legs.terms import unit_columns
 from missionplan.effects import CATALOGUE, named_effects
 from missionplan.results.learned.evidence import Alias, Causes, WrongFix
 
+_DECLINATION, _CLOCK, _CURRENT = math.radians(1.0), 0.01, 0.1
+"""By how much what a log takes as exact is put off: turn of its headings, gain of its clock, current [m/s]."""
 FIRST_PREDICTED = 10
 """Legs seen before the first prediction."""
 MAX_PAST_LEGS = 30
@@ -24,6 +26,25 @@ REFITS = 8
 """Times, at most, that the hyperparameters are refitted along the record."""
 LEGS_OF_HALF = 10
 """Legs that either half needs."""
+
+
+def put_off(model: TransitModel) -> Iterator[tuple[str, str, TransitModel]]:
+    """Yield what a log takes as exact, what is put in its place, and the model then."""
+    data, (cos, sin) = model.data, (math.cos(_DECLINATION), math.sin(_DECLINATION))
+    reckoned = data.start + np.array([[cos, sin], [-sin, cos]]) @ (data.dead_reckoned - data.start)
+    turned = replace(data, dead_reckoned=reckoned)
+    yield "the log's headings have the right declination", "1° more", replace(model, data=turned)
+    late = replace(data, t_start=data.t_start * (1.0 + _CLOCK), under_way=data.under_way * (1.0 + _CLOCK))
+    yield "the log's clock runs right", "one that is 1 % slow", replace(model, data=late)
+    if data.leg_fix_sd is not None or data.fix_sd:
+        each, every = data.leg_fix_sd, data.fix_sd
+        worse = replace(data, leg_fix_sd=None if each is None else 2.0 * each, fix_sd=every and 2.0 * every)
+        yield "fixes err as stated", "twice as much", replace(model, data=worse)
+    if np.any(model.site_current) and max(model.current_sd) < 0.1 * _CURRENT:
+        for axis, name in enumerate(("east", "north")):
+            more = model.base + _CURRENT * (np.arange(2) == axis)[:, None]
+            words = "the current is as the mission has it", f"0.1 m/s more to the {name}"
+            yield *words, replace(model, base=more)
 
 
 @dataclass(frozen=True)

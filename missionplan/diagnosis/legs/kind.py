@@ -5,7 +5,7 @@ effect is written here.
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -18,7 +18,7 @@ from missionplan.arrays import Array
 from missionplan.datasets.legs import read_transit
 from missionplan.datasets.records import TransitData
 from missionplan.diagnosis.coordinates import Coordinate
-from missionplan.diagnosis.data_kind import DataKind
+from missionplan.diagnosis.data_kind import DataKind, PutOff
 from missionplan.diagnosis.extended_mission import with_noise
 from missionplan.diagnosis.given import forecast_effect, has_forecast_error, with_forecast_error
 from missionplan.diagnosis.given.priors import check_together, given_effects, given_priors
@@ -28,6 +28,7 @@ from missionplan.diagnosis.legs.fit_checks import (
     aliases,
     not_constant,
     one_step,
+    put_off,
     wrong_fixes,
 )
 from missionplan.diagnosis.legs.likelihood.covariance import FIX_UNSTATED
@@ -314,6 +315,10 @@ class TransitKind(DataKind):
             if _MOSTLY * whole < along <= 2.0 * doubt * speed:
                 causes.append(cause)
         return tuple(causes)
+
+    def put_off(self) -> Iterator[PutOff]:
+        """Yield what the log takes as exact, what is put in its place, and the model then."""
+        yield from put_off(self.model)
 
     def aliases(self, best: CauseFit) -> tuple[Alias, ...]:
         """Return effects that do to these legs what a claimed cause does, but not on the way back."""

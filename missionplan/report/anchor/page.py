@@ -19,7 +19,7 @@ from missionplan.report.explained import (
     what_would_tell,
 )
 from missionplan.report.page import Page, PageSection, Table
-from missionplan.report.quantities import quantity, reader_unit
+from missionplan.report.quantities import in_reader_units, quantity, reader_unit
 from missionplan.report.wording import listed, percent, phase_in_words, share
 from missionplan.results.anchor_sizing import AnchorSizing
 from missionplan.results.decision import label
@@ -155,7 +155,7 @@ def _which(sizing: AnchorSizing) -> str:
     if probable is None:
         return built
     if probable.anchor is None:
-        return f"No anchor does {sections.asked_in_words(probable)}: {probable.reason}. {built}"
+        return f"No anchor does {sections.asked_in_words(probable)}: {in_reader_units(probable.reason)}. {built}"
     if probable.lighter is not None:
         built += (
             f" For {sections.asked_in_words(probable)}, {quantity(probable.lighter, 'N', '.2f')} would do, but these "

@@ -8,7 +8,7 @@ from missionplan.physics.anchor import AnchorDesign
 from missionplan.report.anchor.drawing import drawing
 from missionplan.report.anchor.figures import descent_profile, drag_bars, drift_figure
 from missionplan.report.page import Block, PageSection, Table
-from missionplan.report.quantities import quantity, reader_unit
+from missionplan.report.quantities import in_reader_units, quantity, reader_unit
 from missionplan.report.wording import capitalised, number, percent, share
 from missionplan.results.anchor_sizing import AnchorSizing, ProbableAnchor
 from missionplan.results.sized_anchor import SizedAnchor
@@ -34,7 +34,7 @@ def probable(sizing: AnchorSizing) -> Iterator[PageSection]:
         return
     wanted, anchor = asked_in_words(sizing.probable), sizing.probable.anchor
     if anchor is None:
-        words = [f"{capitalised(sizing.probable.reason)}."]
+        words = [f"{capitalised(in_reader_units(sizing.probable.reason))}."]
         if sizing.probable.line_length is not None:
             line, weight = sizing.probable.line_length, sizing.probable.line_anchor_weight
             words.append(

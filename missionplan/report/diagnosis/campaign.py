@@ -1,6 +1,6 @@
 """Report of `diagnose` with several data sets: what each showed, what they share, and each one's own answer."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from matplotlib.axes import Axes
@@ -19,6 +19,7 @@ from missionplan.report.page import Block, Page, PageSection, Table, typed
 from missionplan.report.wording import listed
 from missionplan.results.entries import mapping, real
 from missionplan.results.learned import Campaign
+from missionplan.results.learned.evidence import Causes
 
 LEFT = 0.05
 """Probability of none of the explanations from which it is told."""
@@ -81,8 +82,9 @@ def answer(campaign: Campaign) -> str:
     effects = ", ".join(effect.replace("-", " ") for effect in informed_by)
     shared = ", ".join(effect.replace("-", " ") for effect in campaign.shared)
     more = f" More than one of them bore on {shared}." if shared else " No two of them bore on the same effect."
+    told = [(diagnosis.causes, words) for _, diagnosis in named if (words := findings.finding_in_words(diagnosis))]
     findings_by_words = dict.fromkeys(
-        words for diagnosis in campaign.diagnoses if (words := findings.finding_in_words(diagnosis))
+        words for place, (causes, words) in enumerate(told) if not _again(causes, told[place + 1 :])
     )
     learned = mapping(mapping(campaign.extended.get("posterior")).get("summary"))
     gone = tuple(
@@ -99,6 +101,12 @@ def answer(campaign: Campaign) -> str:
             *_doubts(learned),
         ]
     )
+
+
+def _again(causes: Causes, later: Sequence[tuple[Causes, str]]) -> bool:
+    """Whether a later data set tells of the same of the vehicle, which then has this one's say in it."""
+    is_told = any({*causes} <= {*others} for others, _ in later)
+    return is_told and all(CATALOGUE[cause].belongs_to == "vehicle" for cause in causes)
 
 
 def _without_cause(campaign: Campaign) -> str:

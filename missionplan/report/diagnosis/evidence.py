@@ -11,10 +11,17 @@ from missionplan.errors import counted
 from missionplan.report.diagnosis.kind_report import names, part, percent
 from missionplan.report.diagnosis.kinds import REPORTS
 from missionplan.report.page import BLUE, GREY, ORANGE, Block, Figure, PageSection, Table, to_figure
-from missionplan.report.quantities import Unit, length_in_words, reader_unit
+from missionplan.report.quantities import Unit, in_reader_units, length_in_words, reader_unit
 from missionplan.report.wording import has_spread, number, parameter_in_words
 from missionplan.results.learned import Diagnosis
-from missionplan.results.learned.evidence import SURE, Discrepancy, DiscrepancyShape, ParameterEstimate, RankedSet
+from missionplan.results.learned.evidence import (
+    SURE,
+    Discrepancy,
+    DiscrepancyShape,
+    ParameterEstimate,
+    RankedSet,
+    TakenAsExact,
+)
 
 _LISTED = 8
 _LABEL = 36
@@ -187,6 +194,53 @@ def known_section(diagnosis: Diagnosis) -> list[PageSection]:
     caption = "The mission's own effects are part of its model; the extended mission carries what is known now."
     table = Table(["Parameter", "In the mission", "After these data", "Unit"], rows, caption)
     return [PageSection("What the mission knew, and what is known now", [table])]
+
+
+_TELLING = 1.0
+"""Standard deviations by which a parameter moves, from which a heading tells of it."""
+
+
+def exact_section(diagnosis: Diagnosis) -> list[PageSection]:
+    """Show what the answer takes as exact, and what it would be if that were off by its usual size."""
+    if not diagnosis.exact:
+        return []
+    first, turning = diagnosis.exact[0], sum(one.turns for one in diagnosis.exact)
+    rows = [
+        (
+            one.what,
+            in_reader_units(one.otherwise),
+            "" if one.moves is None else f"{parameter_in_words(one.moves.effect, one.moves.name)} by {_moved(one)}",
+            "" if one.moves is None else f"{one.in_sd:.1f}",
+            names(one.likeliest) if one.turns else "as now",
+        )
+        for one in diagnosis.exact
+    ]
+    heading = "None of what this takes as exact could turn it"
+    if turning:
+        heading = f"{turning} of what this takes as exact could turn it"
+    elif first.moves is not None and first.in_sd > _TELLING:
+        moved = parameter_in_words(first.moves.effect, first.moves.name)
+        heading = f"This takes as exact that {first.what}: {first.otherwise} moves the {moved} by {_moved(first)}"
+    columns = ("taken as exact", "instead", "moves most", "of its sd", "likeliest then")
+    caption = "Each alone. Parameters of physical causes; the likeliest of these causes, the nearest to them, and none."
+    return [PageSection(heading, [Table(columns, rows, caption, text_columns=3)], is_summary=True)]
+
+
+def _moved(one: TakenAsExact) -> str:
+    if one.moves is None:
+        return ""
+    unit = _unit_of(one.moves)
+    size = unit(abs(one.moves.value))
+    return f"{number(size, 0.05 * size)}{unit.suffix}"
+
+
+def exact_in_words(diagnosis: Diagnosis) -> str:
+    """Say what that is taken as exact could turn the answer; empty where nothing could."""
+    first = next((one for one in diagnosis.exact if one.turns), None)
+    if first is None:
+        return ""
+    otherwise = in_reader_units(first.otherwise)
+    return f" But this takes as exact that {first.what}: with {otherwise} {names(first.likeliest)} is likelier."
 
 
 def claimed_parameters(diagnosis: Diagnosis) -> tuple[ParameterEstimate, ...]:

@@ -9,6 +9,8 @@ from missionplan.report.diagnosis.evidence import (
     distinction_section,
     draw_held_out,
     draw_ranking,
+    exact_in_words,
+    exact_section,
     held_out_section,
     known_section,
     ranking_rows,
@@ -71,7 +73,7 @@ def page(diagnosis: Diagnosis) -> Page:
         draw=lambda: kind.data_figure(diagnosis),
         numbers=_numbers(diagnosis),
         write=lambda: _sections(diagnosis),
-        verdict="" if is_open(diagnosis) else _COLOURS.get(diagnosis.verdict, ""),
+        verdict="" if is_open(diagnosis) or exact_in_words(diagnosis) else _COLOURS.get(diagnosis.verdict, ""),
         rerun=typed("diagnose", made.file, made.options["dataset"], seed=made.seed, **again),
         table=lambda: ranking_rows(diagnosis.ranking[:6]),
         sentence=f"{answer(diagnosis)}{next_trial_told(diagnosis.next_trial)}",
@@ -94,6 +96,7 @@ def _sections(diagnosis: Diagnosis) -> list[PageSection]:
         PageSection("What to do next", _next_words(diagnosis), is_summary=True),
         *plan_section(diagnosis),
         PageSection("How sure this is", how_sure(diagnosis), is_summary=True),
+        *exact_section(diagnosis),
         *next_trial_section(diagnosis.next_trial),
         ranking_section(diagnosis),
         *causes_section(diagnosis),
@@ -119,7 +122,7 @@ def answer(diagnosis: Diagnosis) -> str:
         many = "legs" if last.kind == "transit" else "dives"
         kept = f" Kept away from all this, the last {last.groups} {many}: the extended mission {told(last)}"
         kept += "" if last.is_within_chance else " Chance does not allow such coverages."
-    return f"{finding} {verdict}{aged}{kept}".strip()
+    return f"{finding} {verdict}{exact_in_words(diagnosis)}{aged}{kept}".strip()
 
 
 def _verdict_words(diagnosis: Diagnosis) -> str:

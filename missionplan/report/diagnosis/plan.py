@@ -25,7 +25,10 @@ _NOTES = {
     "anchor_wet_weight_n": (
         "Anchors sized for the worst current (Eq. 15), and to carry the vehicle's net buoyancy besides."
     ),
-    "d_max_m": "Mean cost: time beyond that of the straight way, as a share of it.",
+    "d_max_m": (
+        "The question is whether what was found asks for another d_max: the best of ten, from a tenth of the way to "
+        "all of it, which sweep-dmax refines. Mean cost: time beyond that of the straight way, as a share of it."
+    ),
 }
 _SAME_SHARE, _SAME_COST = 0.02, 0.002
 """Differences of a probability, and of a mean cost, that call for no other plan."""

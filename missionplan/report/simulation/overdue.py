@@ -16,7 +16,7 @@ from missionplan.report.page import BLUE, GREEN, INK, ORANGE, PINK, Block, Figur
 from missionplan.report.plan_view import WIDTH, frame
 from missionplan.report.quantities import in_reader_units, quantity, reader_system, reader_unit
 from missionplan.report.simulation.quantities import failure_in_words
-from missionplan.report.wording import number, portion_in_words
+from missionplan.report.wording import listed, number, portion_in_words
 from missionplan.results.simulation import Outcome
 from missionplan.results.whereabouts import SHARES, Overdue, SearchArea
 
@@ -140,7 +140,7 @@ def _map(outcome: Outcome, sheet: Overdue) -> Figure:
     name_axis(axes.xaxis, "east", "km")
     name_axis(axes.yaxis, "north", "km")
     figure.legend(loc="upper center", ncols=2)
-    words = "; ".join(f"{_where(area)}, {_hours(area)}: {_area(area)}" for area in drawn)
+    words = listed(list(dict.fromkeys(_where(area) for area in drawn)))
     return to_figure(
         figure,
         "search-areas",

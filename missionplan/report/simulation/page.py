@@ -106,6 +106,10 @@ def distributions_section(outcome: Outcome) -> PageSection:
     return PageSection(heading, [*([histograms(outcome, varying)] if varying else []), *fixed])
 
 
+_FEW_STEPS = 3
+"""Steps that are named though no trial fails at them."""
+
+
 def attrition_section(outcome: Outcome) -> Iterator[PageSection]:
     """Draw and tabulate what is lost at each step at which any trial is; the others are named."""
     worst = worst_step(outcome)
@@ -113,7 +117,9 @@ def attrition_section(outcome: Outcome) -> Iterator[PageSection]:
         return
     losing = [step for step in outcome.attrition if step.lost.value > 0.0]
     spared = [failure_in_words(step.step) for step in outcome.attrition if step.lost.value == 0.0]
-    none = [f"No trial fails by {listed(spared, 'or')}."] if spared else []
+    none = [f"No trial fails by {listed(spared, 'or')}."] if 0 < len(spared) <= _FEW_STEPS else []
+    if len(spared) > _FEW_STEPS:
+        none = [f"No trial fails at any of the other {len(spared)} steps, which summary.json names."]
     rows = [(failure_in_words(step.step), percent(step.lost), percent(step.surviving)) for step in losing]
     table = [Table(("step", "lost here", "still good"), rows, "Shares of all trials.")] if len(rows) > 1 else []
     heading = f"{capitalised(failure_in_words(worst.step))} cost {percent(worst.lost)} of the trials"

@@ -23,6 +23,7 @@ from missionplan.results.learned.evidence import (
     ParameterEstimate,
     RankedSet,
     Readings,
+    TakenAsExact,
     joined,
 )
 from missionplan.results.learned.levels import ParameterLevels
@@ -96,6 +97,9 @@ class Diagnosis(Judgement, Result):
     last_part: DatasetScore | None = None
     """The extended mission's score on the part of the record that was held out of everything, where one was."""
     learned_from: Annotated[tuple[str, ...], Entry("hash of each leg, dive or run that was new to the mission")] = ()
+    exact: Annotated[
+        tuple[TakenAsExact, ...], Entry("what is taken as exact, what matters most first", key="taken_as_exact")
+    ] = ()
     readings: Annotated[Readings, Entry(inline=True)] = field(default_factory=Readings)
     """What else the posterior says."""
     levels: Annotated[

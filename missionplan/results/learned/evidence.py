@@ -27,6 +27,25 @@ class ParameterEstimate(Record):
     unit: Annotated[str, Entry("of the parameter")]
 
 
+@dataclass(frozen=True)
+class TakenAsExact(Record):
+    """Something that a data set or its mission takes as exact, and the answer when it is off by its usual size."""
+
+    what: Annotated[str, Entry("what is taken as exact")]
+    otherwise: Annotated[str, Entry("what was put in its place")]
+    moves: Annotated[
+        ParameterEstimate | None,
+        Entry("how far the parameter then moves that moves most of its standard deviations; null: none is claimed"),
+    ]
+    likeliest: Annotated[Causes, Entry("likeliest set then, of the claimed one and those nearest to it")]
+    turns: Annotated[bool, Entry("whether that is another than now")]
+
+    @property
+    def in_sd(self) -> float:
+        """Standard deviations by which the parameter moves."""
+        return 0.0 if self.moves is None else abs(self.moves.value) / max(self.moves.sd, 1e-30)
+
+
 _QUANTITY = ("value", "sd", "low", "high", "unit")
 
 

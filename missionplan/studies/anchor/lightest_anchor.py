@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from missionplan.report.wording import beside, portion_in_words
 from missionplan.results.sized_anchor import DiveProbabilities
 
 MAX_WEIGHT_RATIO = 10.0
@@ -152,10 +153,10 @@ class _Tried:
         return self._within(middle, heavy) if lighter is None else lighter
 
     def compromise(self) -> float:
-        """Weight whose worst demand is missed by least [N]; of equal ones the lightest."""
+        """Weight whose worst demand is missed by least [N]; of equal ones the nearest to all, then the lightest."""
 
-        def worst(weight: float) -> tuple[float, float]:
-            return min(self.slacks(weight)), -weight
+        def worst(weight: float) -> tuple[float, float, float]:
+            return min(self.slacks(weight)), sum(min(slack, 0.0) for slack in self.slacks(weight)), -weight
 
         for _ in range(6):
             weights = sorted(self.known)
@@ -175,31 +176,37 @@ class _Tried:
 
     def why_none(self, compromise: float) -> str:
         """Write which demand no weight meets, or which need more than others allow, and what the compromise does."""
-        weights = sorted(self.known)
-        met = [[w for w in weights if self.slacks(w)[number] >= 0.0] for number in range(len(self.demands))]
-        never = [demand for demand, some in zip(self.demands, met, strict=True) if not some]
+        strictest = {demand.words: demand for demand in sorted(self.demands, key=lambda demand: demand.required)}
+        demands, weights = list(strictest.values()), sorted(self.known)
+        met = [[weight for weight in weights if demand.slack(self.known[weight]) >= 0.0] for demand in demands]
+        never = [demand for demand, some in zip(demands, met, strict=True) if not some]
         if never:
             words = "; ".join(self._at_best(demand) for demand in never)
+            if all(odds.within.value < min(demand.required for demand in never) for odds in self.known.values()):
+                within = max(odds.within.value for odds in self.known.values())
+                drift = "come down within the radius at best: drift before the line is taut"
+                words += f"; {portion_in_words(within, 1)} {drift}"
         else:
             low = max(range(len(met)), key=lambda number: met[number][0])
             high = min(range(len(met)), key=lambda number: met[number][-1])
             words = (
-                f"{self.demands[low].words} asks for {met[low][0]:.3g} N or more, {self.demands[high].words} for "
+                f"{demands[low].words} asks for {met[low][0]:.3g} N or more, {demands[high].words} for "
                 f"{met[high][-1]:.3g} N or less"
             )
         shares = ", ".join(
-            f"{demand.words} in {100.0 * demand.share(self.known[compromise]):.1f} % of dives "
+            f"{demand.words} in {beside(demand.share(self.known[compromise]), demand.required)} of dives "
             f"({100.0 * demand.required:g} % asked)"
-            for demand in self.demands
+            for demand in demands
         )
         return f"{words}. The best compromise, {compromise:.3g} N: {shares}"
 
     def _at_best(self, demand: Demand) -> str:
-        weight, odds = max(self.known.items(), key=lambda item: (demand.share(item[1]), -item[0]))
-        words = f"{demand.words} in {100.0 * demand.share(odds):.1f} % of dives at best, with {weight:.3g} N"
-        if odds.within.value < demand.required:
-            words += f"; {100.0 * odds.within.value:.1f} % come down within the radius: drift before the line is taut"
-        return words
+        shares = {weight: demand.share(odds) for weight, odds in sorted(self.known.items())}
+        weight = max(shares, key=lambda weight: (shares[weight], -weight))
+        most = beside(shares[weight], demand.required)
+        if len(shares) > 1 and len({*shares.values()}) == 1:
+            return f"{demand.words} in {most} of dives, whatever the anchor weighs"
+        return f"{demand.words} in {most} of dives at best, with {weight:.3g} N"
 
 
 def _shortest_line(

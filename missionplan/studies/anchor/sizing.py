@@ -21,6 +21,7 @@ from missionplan.phases.mooring.profile import simulate_profile
 from missionplan.physics.anchor import required_terminal_velocity, required_terminal_velocity_vector, solve_anchor
 from missionplan.physics.anchor_remedies import buildable_weights, find_remedies
 from missionplan.physics.drag import DragBuildUp, QuadraticDrag, anchor_drag, range_notes, terminal_velocity
+from missionplan.report.wording import in_words
 from missionplan.results.anchor_sizing import Deviation, ProbableAnchor
 from missionplan.results.failures import SUCCESS, Counted, CountedKind
 from missionplan.results.sized_anchor import DiveProbabilities, SizedAnchor
@@ -297,12 +298,12 @@ class AnchorSizer:
         return anchor_drag(anchor.diameter, anchor.drag_coefficient, self.means.water.density)
 
     def _in_words(self, requirement: Requirement) -> str:
-        """Write a requirement as its file does, with its bound in SI."""
-        bound = bound_of(requirement)
+        """Write a requirement in words, with its bound in SI."""
+        bound, name = bound_of(requirement), in_words(requirement.quantity)
         if bound is None:
-            return requirement.quantity
+            return name
         (side, limit), (_, unit) = bound, requirement_key(self.trials.mission, requirement.quantity)
-        return f"{requirement.quantity} {side.replace('_', ' ')} {limit:.4g} {unit or ''}".rstrip()
+        return f"{name} {side.replace('_', ' ')} {limit:.4g} {unit or ''}".rstrip()
 
 
 def _clear(odds: DiveProbabilities) -> float:

@@ -105,20 +105,25 @@ def _as_good(result: Exploration) -> str:
             ]
             return f"{_AS_GOOD[result.aim][2]}, {noise}: {', '.join(others)}."
         where = ranges_in_words(axis, result.ranges_as_good)
-        return f"Any {name_of(axis)} {where} {_AS_GOOD[result.aim][0]}, {noise}."
+        return f"Any {name_of(axis)} tried {where} {_AS_GOOD[result.aim][0]}, {noise}."
     return f"{count} of the {len(result.cells)} {tried(result)} {_AS_GOOD[result.aim][1]}, {noise}."
 
 
 def _windows(result: Exploration) -> str:
     if not result.has_requirements or not result.constrained or any(cell.dropped for cell in result.cells):
         return ""
-    met = sum(cell.meets_all for cell in result.cells)
+    sure = [cell.status == "met" for cell in result.cells]
+    unsure = [cell.meets_all and not is_sure for cell, is_sure in zip(result.cells, sure, strict=True)]
+    first, *others = [_where_in_words(result, has) for has in (sure, unsure) if any(has)]
+    if not any(sure):
+        return f"All requirements are met {first}; it takes more trials to be sure of it."
+    return f"All requirements are met {first}{''.join(f'; {more} it takes more trials to be sure' for more in others)}."
+
+
+def _where_in_words(result: Exploration, has: Sequence[bool]) -> str:
     if len(result.axes) == 1 and result.axes[0].numbers is not None:
-        where = ranges_in_words(result.axes[0], result.windows)
-    else:
-        where = f"with {met} of the {len(result.cells)} {tried(result)}"
-    doubt = "" if any(cell.status == "met" for cell in result.cells) else "; it takes more trials to be sure of it"
-    return f"All requirements are met {where}{doubt}."
+        return ranges_in_words(result.axes[0], result.ranges(has))
+    return f"with {sum(has)} of the {len(result.cells)} {tried(result)}"
 
 
 def ranges_in_words(axis: Axis, windows: Sequence[Window]) -> str:
@@ -229,7 +234,7 @@ def _good(result: Exploration) -> Iterator[PageSection]:
             where = value_on(axis, span.first) if span.first == span.last else range_on(axis, span.first, span.last)
             least = min((cell.success for cell in result.cells[span.first : span.last + 1]), key=attrgetter("value"))
             rows.append((where, str(span.last - span.first + 1), percent(least)))
-        heading = f"All requirements are met {ranges_in_words(axis, result.windows)}"
+        heading = _windows(result).removesuffix(".")
         caption = "Between the values that were tried nothing is known: a finer step shows where a window ends."
         yield PageSection(heading, [Table(("window", "tried", "least P(success)"), rows, caption)])
     if good:

@@ -136,14 +136,15 @@ class Exploration(Result):
     def windows(self) -> tuple[Window, ...]:
         """Ranges of the only axis in which all requirements are met; none where there are two, or no numbers."""
         is_complete = not any(cell.dropped for cell in self.cells)
-        return self._ranges([is_complete and self.has_requirements and cell.meets_all for cell in self.cells])
+        return self.ranges([is_complete and self.has_requirements and cell.meets_all for cell in self.cells])
 
     @property
     def ranges_as_good(self) -> tuple[Window, ...]:
         """Ranges of the only axis that cannot be told from the best."""
-        return self._ranges([cell.as_good for cell in self.cells])
+        return self.ranges([cell.as_good for cell in self.cells])
 
-    def _ranges(self, has: Sequence[bool]) -> tuple[Window, ...]:
+    def ranges(self, has: Sequence[bool]) -> tuple[Window, ...]:
+        """Return the ranges of the only axis whose cells have something; none where there are two, or no numbers."""
         if len(self.axes) != 1 or self.axes[0].numbers is None:
             return ()
         starts = [i for i, flag in enumerate(has) if flag and (i == 0 or not has[i - 1])]

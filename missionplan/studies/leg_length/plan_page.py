@@ -241,7 +241,11 @@ def trials_table(plan: LegPlan) -> Table:
         [name, with_error(it.cost, it.standard_error, PERCENT.bare), number(it.surfacings, 0.02), percent(it.arrived)]
         for name, it, _ in plans
     ]
-    heads, caption = ["Plan", "Cost in the trials (%)", "Surfacings", "Arrive"], "Surfacing on arrival not charged."
+    heads = ["Plan", "Cost in the trials (%)", "Surfacings", "Arrive"]
+    caption = (
+        "The question is whether legs that depend on the distance left beat all of one length, the best by the legs' "
+        "equation. Surfacing on arrival not charged."
+    )
     if plan.integral_applies:
         heads.insert(2, "Cost by the integral equation (%)")
         for row, (_, _, expected) in zip(rows, plans, strict=True):

@@ -165,6 +165,7 @@ def _choice_heading(sweep: Sweep) -> str:
 def choice_table(sweep: Sweep) -> Table:
     """Tabulate the recommended d_max of each velocity error."""
     caption = (
+        f"The question is which one length of all legs of {phase_in_words(sweep.phase)}, sailed alone, is best. "
         f"Nominal time {time_in_words(sweep.nominal_time)} over {length_in_words(sweep.distance)} at "
         f"{quantity(sweep.speed, 'm/s', 'g')}. Recommended is the d_max of least cost among those at which "
         f"{100.0 * sweep.middle.required_arrival:g} % of the trials arrive. Costs are of those that arrive."

@@ -48,7 +48,10 @@ def answer(risk: RareFailure) -> str:
     chance = f"{_power(value)} ({_power(risk.probability.low)} to {_power(risk.probability.high)})"
     event = f"{capitalised(event_in_words(risk.event))} comes about"
     often = f"about one mission in {number(float(f'{1.0 / value:.1e}'))}" if value < 0.5 else "more often than not"
-    words = f"{'This mission fails' if risk.event == _FAILS else event} with probability {chance}: {often}."
+    often = f"with probability {chance}: {often}"
+    if value == 1.0:
+        often = f"in each of {counted(risk.provenance.trials, 'trial')}"
+    words = f"{'This mission fails' if risk.event == _FAILS else event} {often}."
     if not risk.modes:
         return words
     commonest = risk.modes[0]

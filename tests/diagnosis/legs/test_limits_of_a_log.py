@@ -2,6 +2,7 @@
 
 import re
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -9,8 +10,10 @@ import yaml
 
 from missionplan import diagnose
 from missionplan.datasets.legs import read_transit
+from missionplan.diagnosis.diagnose import taken_as_exact
+from missionplan.diagnosis.inference.model import fitted
 from missionplan.diagnosis.legs.fit_checks import not_constant
-from missionplan.diagnosis.legs.kind import transit_model, widened
+from missionplan.diagnosis.legs.kind import TransitKind, transit_model, widened
 from missionplan.mission import Mission
 from missionplan.report.diagnosis.page import answer
 from missionplan.report.render import render_report
@@ -66,6 +69,39 @@ def test_a_speed_that_the_log_lacks_is_no_fault_of_the_vehicle(reckoned_speed, i
     assert found.causes == ("speed-scale",)
     assert ("measured mile" in answer(found)) == is_order
     assert ("made without a logged speed: correct nothing yet" in answer(found)) != is_order
+
+
+def put_off(mission, log, cause):
+    """The ledger of a log of which one cause is claimed, by what was put off."""
+    bound = TransitKind.bind("transit", log, mission, 1)
+    none, alone = fitted(bound.model, [((), ()), ((cause,), ())])
+    claimed = SimpleNamespace(causes=(cause,), score=alone.log_evidence - none.log_evidence)
+    rows = taken_as_exact(bound, SimpleNamespace(best=claimed, selection=SimpleNamespace(ranking=(claimed,))))
+    return {(row.what, row.otherwise): row for row in rows}
+
+
+def test_what_a_log_takes_as_exact_moves_the_answer_by_as_much(folder, transit_mission, legs):
+    """Headings off by 1° are a compass off by 1°; where it was no more, no compass is likelier."""
+    declination = "the log's headings have the right declination", "1° more"
+    for angle, turns in ((3.0, False), (1.0, True)):
+        log = folder(KIND, legs(sigma=0.01, error=turned(lambda t, angle=angle: np.radians(angle))))
+        found = put_off(transit_mission, log, "compass-bias")[declination]
+        assert np.degrees(found.moves.value) == pytest.approx(-1.0, abs=0.01)
+        assert (found.turns, found.likeliest) == (turns, () if turns else ("compass-bias",))
+    assert "twice as much" in {otherwise for _, otherwise in put_off(transit_mission, log, "compass-bias")}
+
+
+def test_a_current_taken_as_exact_moves_that_found_beside_it(folder, transit_mission, legs):
+    """The legs show the sum of both."""
+    layer = {"down_to": "30 m", "speed": "0.2 m/s", "toward": "90 deg"}
+    mission = transit_mission.with_({"site.current": [layer]})
+    log = folder(KIND, legs(error=lambda t, heading: np.stack([0.4 + 0.0 * t, 0.3 + 0.0 * t])))
+    for name in ("east", "north"):
+        found = put_off(mission, log, "mean-current")[
+            "the current is as the mission has it", f"0.1 m/s more to the {name}"
+        ]
+        assert (found.moves.name, found.moves.value) == (name, pytest.approx(-0.1, abs=0.005))
+    assert not any("current" in what for what, _ in put_off(transit_mission, log, "mean-current"))
 
 
 @pytest.mark.parametrize("count", [8, *(pytest.param(n, marks=pytest.mark.slow) for n in (14, 19))])

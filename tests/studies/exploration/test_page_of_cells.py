@@ -77,9 +77,15 @@ def test_the_headline_names_the_best_what_is_as_good_and_where_all_is_met():
     words = plain(pages.answer(exploration()))
     assert words == (
         "The best line length (moor) is 4 m: the mission succeeds in 97.0 % (95.7 to 97.9 %) of the trials, takes 26.0 ± 0.2 W h and lasts "
-        "2.5000 ± 0.0017 h. Any line length (moor) from 3 to 4 m succeeds as often, as far as 1000 trials tell. All requirements are "
+        "2.5000 ± 0.0017 h. Any line length (moor) tried from 3 to 4 m succeeds as often, as far as 1000 trials tell. All requirements are "
         "met from 3 to 5 m. 1 of the 6 choices cannot be run; the report says why."
     )
+    last = replace(CELLS[3], requirements=(replace(CELLS[3].requirements[0], undecided=True),))
+    doubtful = plain(pages._windows(exploration([*CELLS[:3], last, *CELLS[4:]])))
+    assert doubtful == "All requirements are met from 3 to 4 m; at 5 m it takes more trials to be sure."
+    first = [replace(each, requirements=(replace(each.requirements[0], undecided=True),)) for each in CELLS[1:3]]
+    none_sure = plain(pages._windows(exploration([CELLS[0], *first, last, *CELLS[4:]])))
+    assert none_sure == "All requirements are met from 3 to 5 m; it takes more trials to be sure of it."
     unmet = plain(
         pages.answer(
             exploration(
