@@ -116,6 +116,7 @@ def _diagnose(
     bound = explanations[0].bound
     stage()
     is_new = not bound.is_known
+    is_planned = asked.plan and is_new
     pipeline_result = run_pipeline(bound.model, stage, jobs, search=is_new, selection=selection)
     if not is_new:  # the mission's own effects are as they were known before
         base = replace(pipeline_result.selection.base, given=bound.known)
@@ -128,7 +129,7 @@ def _diagnose(
     stage()
     separated = _separated(bound, pipeline_result, judgement, jobs)
     stage()
-    decision = bound.plan_gain(mission, extended, seed=seed, jobs=jobs) if asked.plan and is_new else PlanGain()
+    decision = bound.plan_gain(mission, extended, seed=seed, jobs=jobs) if is_planned else PlanGain()
     trial = _next_trial(explanations, pipeline_result, scale, seed, extended) if asked.next_trial and is_new else None
     untold = (NO_TRIAL,) if asked.next_trial and not is_new else ()
     provenance = Run("diagnose", mission, 0, seed, started=started).provenance(
@@ -147,9 +148,9 @@ def _diagnose(
         from missionplan.diagnosis.scoring.holdout import score_last_part  # models of legs and dives, for it alone
 
         last = score_last_part(dataset, asked.holdout, mission, extended, seed)
-    levels = _levels(Mission.from_data(extended, file=mission.file), seed, urgency=asked.plan and is_new)
+    levels = _levels(Mission.from_data(extended, file=mission.file), seed, urgency=is_planned)
     in_doubt = odds(explanations, believed)
-    exact = taken_as_exact(bound, pipeline_result, jobs) if asked.plan and is_new else ()
+    exact = taken_as_exact(bound, pipeline_result, jobs) if is_planned else ()
     return replace(result, exact=exact, next_trial=trial, explanations=in_doubt, last_part=last, levels=levels)
 
 
