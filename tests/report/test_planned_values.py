@@ -4,6 +4,7 @@ from types import SimpleNamespace
 
 import pytest
 
+from missionplan.report import planned
 from missionplan.report.planned import _current, changed, value_in_words, where_checked
 
 
@@ -69,3 +70,15 @@ def test_what_the_mission_has_is_told_before_what_was_checked():
         "0.5 m/s to 2.5 m/s",
         "inside",
     ]
+
+
+@pytest.mark.parametrize(
+    ("mapped", "site", "is_drawn"), [(False, {}, True), (True, {}, False), (True, {"chart": {}}, True)]
+)
+def test_a_page_with_a_map_of_its_own_has_none_of_the_site_but_for_its_chart(mapped, site, is_drawn, monkeypatch):
+    monkeypatch.setattr(planned, "site_map", lambda data: "the map")
+    made = SimpleNamespace(
+        data={"phases": [], "site": {"depth": "12 m", **site}}, command="simulate", holds=(), rests_on=(), checked=()
+    )
+    (section,) = planned.planned_sections(made, mapped=mapped)
+    assert ("the map" in section.blocks) is is_drawn

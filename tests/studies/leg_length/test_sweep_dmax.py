@@ -10,11 +10,14 @@ from missionplan.errors import InputError
 from missionplan.mission import Mission, load
 from missionplan.report.render import terminal_view
 from missionplan.results.decision import Assumption
+from missionplan.scenario.scenario import Scenario
 from missionplan.studies import judgement
 from missionplan.studies.judgement import FRESH
-from missionplan.studies.leg_length import MAX_PAIRED, CellTotals, _totals
+from missionplan.studies.leg_length import MAX_PAIRED, CellTotals, SweepScenario, _totals
+from missionplan.studies.leg_length.paired_trials import LegsAtSpeed, run_plans
 from missionplan.studies.leg_length.plan_legs import plan_legs
 from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
+from missionplan.studies.simulation.simulate import simulate_block
 
 pytestmark = pytest.mark.usefixtures("unassumed", "unplanned", "unranked", "unheld")
 
@@ -62,6 +65,18 @@ def plain(tmp_path_factory):
 @functools.cache
 def fig8(**options):
     return sweep_dmax(load(FIG8), **options)
+
+
+@pytest.mark.parametrize("block", [0, 3])
+def test_plans_are_sailed_on_the_trials_of_the_simulation_of_their_block(small, block):
+    """All that is drawn of a trial, its errors and the mission's uncertain quantities, is as `simulate` draws it."""
+    mission = small(more="fix_error: {mean: 5 m, sd: 2 m, low: 0 m}")
+    mission = mission.with_({"navigation.surfacing_time": {"mean": "60 s", "sd": "9 s"}})
+    plans = [LegsAtSpeed(500.0), LegsAtSpeed(300.0)]
+    sailed, _ = run_plans(SweepScenario.of(mission, Scenario.at_means(mission)), plans, 3, block, 40)
+    expected = simulate_block(mission, seed=3, block=block, trials=40).phases[0].quantities
+    assert sailed.arrived.sum() > 30
+    assert sailed.duration[sailed.arrived] == pytest.approx(expected["duration_s"][sailed.arrived])
 
 
 def test_analytic_cost_is_the_table():
