@@ -142,10 +142,11 @@ def reports(number: _Number = None, root: _Root = Path("reports"), as_json: o.Js
     missionplan reports 1 opens the newest.
     """
     entries = missionplan.reports(root)
-    if number is None and as_json:
-        print_json(reports=entries)
-        return
-    if number is None:
+    if number is not None and not 1 <= number <= len(entries):
+        raise InputError([Problem(f"given {number}, expected 1 to {len(entries)}", key="NUMBER", file=str(root))])
+    if as_json:
+        print_json(reports=entries if number is None else [entries[number - 1]])
+    elif number is None:
         for place, entry in enumerate(entries, start=1):
             when = f"{entry.created:%Y-%m-%d %H:%M}" if entry.created else "(no date)"
             head = f"{place:>3}  {when}  {entry.command}"
@@ -158,16 +159,11 @@ def reports(number: _Number = None, root: _Root = Path("reports"), as_json: o.Js
                 typer.echo(f"     {line}")
         if not entries:
             note(f"There are no reports in {root} yet.")
-        return
-    if not 1 <= number <= len(entries):
-        raise InputError([Problem(f"given {number}, expected 1 to {len(entries)}", key="NUMBER", file=str(root))])
-    page = entries[number - 1].page
-    if as_json:
-        print_json(reports=[entries[number - 1]])
-        return
-    typer.echo(str(page))
-    if not webbrowser.open(page.resolve().as_uri()):
-        note("No browser could be started: open that file in one.")
+    else:
+        page = entries[number - 1].page
+        typer.echo(str(page))
+        if not webbrowser.open(page.resolve().as_uri()):
+            note("No browser could be started: open that file in one.")
 
 
 _Report = Annotated[Path, typer.Argument(metavar="REPORT", help="Report folder.")]

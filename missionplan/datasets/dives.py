@@ -55,9 +55,7 @@ class DivesSettings(DatasetSettings):
 
     start: Annotated[Moment | None, Doc("date of the dives")] = None
     runs: Annotated[
-        Mapping[str, RunSection],
-        Doc("what differed from the mission, dive by dive"),
-        Field(examples=[{"dive-1": {"depth": "40 m"}}]),
+        Mapping[str, RunSection], Doc("what differed, dive by dive"), Field(examples=[{"dive-1": {"depth": "40 m"}}])
     ] = {}
 
 

@@ -98,9 +98,7 @@ class LegNoise(FileSection):
 
     fix: Annotated[q.FixedLength | None, Doc("standard deviation of a fix, each axis")] = None
     reckoned_speed: Annotated[
-        float | None,
-        Field(gt=0.0, le=1.0, examples=[0.1]),
-        Doc("standard deviation of a speed of which dead reckoning is made where none was logged, over that speed"),
+        float | None, Field(gt=0.0, le=1.0, examples=[0.1]), Doc("error of a speed made where none was logged, over it")
     ] = None
 
 

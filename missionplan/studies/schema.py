@@ -229,7 +229,7 @@ def _of_model(model: type[BaseModel]) -> Schema:
 def _or_text(section: dict[str, Any], key: str, words: str) -> None:
     """Let a key take text too, which is described by these words."""
     value = section["properties"][key]
-    text: Schema = {"type": "string", "description": words}
+    text = {"type": "string", "description": words}
     section["properties"][key] = {"anyOf": [text, value], "description": value["description"]}
 
 

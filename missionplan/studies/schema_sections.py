@@ -4,6 +4,7 @@ import inspect
 import math
 import re
 from collections.abc import Mapping, Sequence
+from itertools import chain
 from typing import Any, get_args, get_origin
 
 from pydantic import BaseModel
@@ -110,8 +111,7 @@ def _written(value: float, unit: str, digits: int = 1) -> str | float:
 
 
 def _value(parser: QuantityParser) -> Schema:
-    inside = [value for value in (1.5, -1.5) if parser.low < value < parser.high]
-    value = inside[0] if inside else 0.5 * (parser.low + parser.high)
+    value = next((size for size in (1.5, -1.5) if parser.low < size < parser.high), 0.5 * (parser.low + parser.high))
     examples = [
         f"60 06.0 {parser.signs[0]}" if isinstance(parser, CoordinateParser) else _written(value, parser.unit, 2)
     ]
@@ -303,17 +303,13 @@ class _Writer(GenerateJsonSchema):
         return {"type": "array", "items": items, "minItems": len(items), "maxItems": len(items)}
 
 
-def _choices(schema: Schema) -> list[Schema]:
-    """Choices of a union inside another; one that is shared stays whole."""
-    return schema["anyOf"] if "anyOf" in schema and _NAME not in schema else [schema]
-
-
 def _described(info: FieldInfo, value: Schema) -> Schema:
     """Return the schema of a key: of its values, with its meaning, default and an example."""
     # beside a reference nothing counts
     schema: Schema = {"type": "object", "allOf": [value]} if "$ref" in value else dict(value)
     if "anyOf" in schema:
-        schema["anyOf"] = [part for choice in schema["anyOf"] for part in _choices(choice)]
+        unions = [[part] if _NAME in part else part.get("anyOf", [part]) for part in schema["anyOf"]]
+        schema["anyOf"] = list(chain.from_iterable(unions))  # of one inside another the choices, but of a shared one
     words = [text for text in (meaning_of(info), schema.get("description")) if text]
     if words:
         schema["description"] = ": ".join(map(str, words))

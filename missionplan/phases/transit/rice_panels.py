@@ -11,7 +11,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array, eye_array
-from scipy.sparse.linalg import splu
 from scipy.special import i0e
 
 from missionplan.arrays import Array
@@ -170,6 +169,8 @@ def solve_ascending(matrix: csr_array, right: Array) -> Array:
     while done < n:
         end = int(np.searchsorted(reach, done, side="right"))
         if end == done:
+            from scipy.sparse.linalg import splu  # which legs that are short beside their errors' scale need
+
             rest = slice(done, n)
             coupled = (eye_array(n - done) - matrix[rest, rest]).tocsc()
             right_side = right[rest] + matrix[rest, :done] @ solution[:done]
