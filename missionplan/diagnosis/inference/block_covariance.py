@@ -115,10 +115,17 @@ class BlockCovariance:
         return 2.0 * sum(float(np.log(np.abs(np.diag(triangle))).sum()) for triangle in triangles)
 
     def gram(self, values: Array) -> Array:
-        """Inner products xᵀW⁻¹y of columns, shape (N, c) → (c, c)."""
-        white = self.in_blocks(values)
-        projection = solve_triangular(self._triangle, self._white_root.T @ white, trans=1, check_finite=False)
-        return np.asarray(white.T @ white - projection.T @ projection)
+        """Inner products xᵀW⁻¹y of columns, shape (N, c) → (c, c); what is nil in a block costs nothing there."""
+        count = values.shape[1]
+        gram, along = np.zeros((count, count)), np.zeros((self.root.shape[1], count))
+        for rows, factor in zip(self.rows, self._factors, strict=True):
+            here = values[rows]
+            some = np.flatnonzero(here.any(axis=0))
+            white = lapack.dtrtrs(factor.T, here[:, some], trans=1)[0]
+            gram[np.ix_(some, some)] += white.T @ white
+            along[:, some] += self._white_root[rows].T @ white
+        projection = solve_triangular(self._triangle, along, trans=1, check_finite=False)
+        return np.asarray(gram - projection.T @ projection)
 
     def products(self, columns: Array, y: Array, log_weight: float = 0.0) -> InnerProducts:
         """Inner products of columns, shape (N, c), and data, shape (N,)."""
