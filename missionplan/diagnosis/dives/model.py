@@ -1,6 +1,6 @@
 """Model of dive logs: fits of sets of causes, what they leave, and how well they predict dives held out or to come."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -15,9 +15,8 @@ from missionplan.diagnosis.dives.consistency import EXCHANGED, ExchangedLabels, 
 from missionplan.diagnosis.dives.discrepancy_axes import descent_axes, drag_of_each_dive
 from missionplan.diagnosis.dives.fitting import DescentFitting, likely_noises
 from missionplan.diagnosis.dives.forward import DescentForward
-from missionplan.diagnosis.dives.likelihood import NoiseGridLikelihood
 from missionplan.diagnosis.dives.linearised import DiveLinearisation
-from missionplan.diagnosis.dives.noise import noise_grid
+from missionplan.diagnosis.dives.noise import Noise, noise_grid
 from missionplan.diagnosis.dives.preparation import PreparedDives
 from missionplan.diagnosis.dives.supersets import log_gains
 from missionplan.diagnosis.given import GivenEffect
@@ -143,11 +142,7 @@ class DescentModel(DescentFitting, LinearisedModel):
         """
         count = len(self.parts)
         if count > MOST_REFITTED:
-            by_fit = []
-            for fit in fits:
-                likelihood = self.likelihood(fit.state.linear)
-                by_fit.append([self._score(fit, fit.state.linear, likelihood, dive) for dive in range(count)])
-            return by_fit
+            return [self._scores(fit, fit.state.linear, range(count)) for fit in fits]
         others = [np.setdiff1d(np.arange(len(self.y)), rows) for rows in self.parts]
         folds = [(fit, dive) for fit in fits for dive in range(len(self.parts))]
         starts = [
@@ -155,29 +150,29 @@ class DescentModel(DescentFitting, LinearisedModel):
         ]
         points = self.best_coordinates(starts, REFIT_ITERATIONS)
         linears = self.linearise([(fit.causes, at) for (fit, _), at in zip(folds, points, strict=True)])
-        scores = [
-            self._score(fit, linear, self.likelihood(linear), dive)
-            for (fit, dive), linear in zip(folds, linears, strict=True)
-        ]
+        pairs = zip(folds, linears, strict=True)
+        scores = [score for (fit, dive), linear in pairs for score in self._scores(fit, linear, [dive])]
         return [scores[k * count : (k + 1) * count] for k in range(len(fits))]
 
-    def _score(
-        self, fit: CauseFit, linear: DiveLinearisation, likelihood: NoiseGridLikelihood, dive: int
-    ) -> HeldOutScore:
-        """Predict one dive from the others.
+    def _scores(self, fit: CauseFit, linear: DiveLinearisation, dives: Iterable[int]) -> list[HeldOutScore]:
+        """Predict some dives, each from all others.
 
-        Its log score (Gneiting & Raftery 2007) is averaged over the noises by their posterior from the other dives.
-        Its errors are those of the mean that the others leave of the coordinates at their most likely noise.
+        Log scores (Gneiting & Raftery 2007) are averaged over the noises by their posterior from the other dives.
+        Errors are those of the mean that the others leave of the coordinates at their most likely noise.
         """
-        prior = fit.state.prior_sd
-        others = np.delete(np.arange(len(self.parts)), dive)
-        seen = likelihood.log_joint(prior, others)
-        log_score = float(logsumexp(likelihood.log_joint(prior)) - logsumexp(seen))
-        rows, best = self.parts[dive], noise_grid()[int(np.argmax(seen))]
-        error, covariance = next(self.covariance(linear, best, prior).left_out(linear.y, [rows]))
-        scaled = error / self.units[rows]
-        inside = int((np.abs(error) <= QUANTILE_95 * np.sqrt(np.diag(covariance))).sum())
-        return HeldOutScore(self.forward.logs[dive].name, log_score, float(scaled @ scaled), inside, len(error))
+        prior, likelihood, scores = fit.state.prior_sd, self.likelihood(linear), []
+        whole, covariances = float(logsumexp(likelihood.log_joint(prior))), dict[Noise, BlockCovariance]()
+        for dive in dives:
+            seen = likelihood.log_joint(prior, np.delete(np.arange(len(self.parts)), dive))
+            rows, best = self.parts[dive], noise_grid()[int(np.argmax(seen))]
+            if best not in covariances:
+                covariances[best] = self.covariance(linear, best, prior)
+            error, covariance = next(covariances[best].left_out(linear.y, [rows]))
+            scaled, log_score = error / self.units[rows], whole - float(logsumexp(seen))
+            inside = int((np.abs(error) <= QUANTILE_95 * np.sqrt(np.diag(covariance))).sum())
+            name = self.forward.logs[dive].name
+            scores.append(HeldOutScore(name, log_score, float(scaled @ scaled), inside, len(error)))
+        return scores
 
     @property
     def units(self) -> Array:
