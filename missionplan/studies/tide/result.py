@@ -22,6 +22,7 @@ from missionplan.results.entries import Entry, Record
 from missionplan.scenario.currents.attributes import depths, good, moments
 from missionplan.scenario.currents.files import FieldFiles, undeclared_fill
 from missionplan.scenario.currents.reading import CURRENT_LIMITS, MAX_BYTES, opened
+from missionplan.scenario.site_current import NETCDF
 
 if TYPE_CHECKING:
     from xarray import DataArray
@@ -169,7 +170,6 @@ class TideResult(Result):
 
 FASTEST, DEEPEST = CURRENT_LIMITS["east_m_s"], CURRENT_LIMITS["depth_m"]
 COLUMNS = tuple(CURRENT_LIMITS)
-NETCDF = (".nc", ".nc4", ".cdf", ".netcdf")
 _LISTED = 20
 _STANDARD = {
     "east": ("eastward_sea_water_velocity",),
