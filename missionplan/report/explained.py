@@ -154,6 +154,15 @@ def first_do(judged: Outcome | None, phase: str) -> str | None:
     return next((first for phases, first in groups if phase in phases or phases == {"total"}), None)
 
 
+_TELLING = 0.8
+"""Share of the trials that arrive, by its interval, below which so few trials are no ground for an order."""
+
+
+def too_few(arrived: Probability) -> str:
+    """Say to run more trials before choosing legs with which these arrive; empty where they are enough."""
+    return " first run more trials;" if arrived.low < _TELLING else ""
+
+
 def works(judged: Outcome | None) -> bool:
     """Whether a mission meets what it requires and succeeds as often as not; so too where nothing was judged."""
     return judged is None or (judged.requirements_met and judged.total.events["success"].value >= 0.5)

@@ -119,7 +119,7 @@ def answer(result: Optimised) -> str:
     if _fails(result):
         sentences.insert(0, "Nothing to choose: the mission fails more often than not. Of what meets its requirements:")
     elif first:
-        sentences.insert(0, f"Nothing to choose yet: first {first}. As the mission stands:")
+        sentences[0] = f"Nothing to choose yet: first {first}. As the mission stands, t{sentences[0][1:]}"
     if result.checked is not None and result.fresh is not None:
         count, fresh = result.fresh.provenance.trials, percent(result.fresh.total.events["success"])
         sentences.append(f"All requirements are met, on {counted(count, 'fresh trial')} too, of which {fresh} succeed.")

@@ -125,8 +125,9 @@ class Optimised(Result):
 
     @property
     def recommended_values(self) -> Mapping[str, object]:
-        """The choice, where it meets all requirements."""
-        return self.chosen if self.feasible else {}
+        """The choice, where it meets all requirements: each key of those that take the same value."""
+        keys = ((key, axis.name) for axis in self.axes for key in axis.keys)
+        return {key: self.chosen[name] for key, name in keys} if self.feasible else {}
 
     @property
     def key(self) -> str:

@@ -160,6 +160,10 @@ def test_a_fixed_length_is_an_order_where_no_explanation_is_in_doubt():
     explained = case("compass bias", 0.2, 0.15, 40.0, probability=0.3)
     assert plan_page.answer(replace(slight, cases=(*slight.cases, explained))).startswith("Nothing to choose yet")
     assert plan_page.answer(PLAN).startswith("Let the legs adapt: the transit then takes 50")
+    lucky = [replace(one, fixed=replace(one.fixed, arrived=wilson(3, 3))) for one in slight.cases]
+    assert plan_page.answer(replace(slight, cases=tuple(lucky))).startswith(
+        "Nothing to choose yet: first run more trials; as the mission stands, a fixed d_max of"
+    )
     assert plan_page.answer(replace(PLAN, cases=(*PLAN.cases, explained))).startswith("Let the legs adapt")
 
 

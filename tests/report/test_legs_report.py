@@ -83,6 +83,16 @@ def test_legs_that_arrive_less_often_than_required_are_said_to_in_red(adaptive):
     assert page(plan).verdict == terminal_view(plan).verdict == "bad"
 
 
+def test_legs_that_never_arrive_change_nothing_in_the_mission(adaptive):
+    own, *others = adaptive.cases
+    lost = {"arrived": wilson(0, 2000), "cost": np.nan, "standard_error": np.nan, "surfacings": np.nan}
+    own = replace(own, fixed=replace(own.fixed, **lost), adaptive=replace(own.adaptive, **lost))
+    plan = replace(adaptive, cases=(own, *others))
+    assert answer(plan) == "No legs arrive of all that were tried."
+    assert plan.recommended_values == {}
+    assert not any("–" in section.heading for section in page(plan).sections)
+
+
 @pytest.mark.parametrize("d_max", [800.0, 3162.3, 1e9])
 def test_figures_are_drawn_where_every_leg_aims_at_the_target(adaptive, d_max):
     flat = replace(adaptive, fixed_d_max=d_max, left=np.array([20.0]), leg=np.array([d_max]))

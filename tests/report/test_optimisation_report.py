@@ -71,6 +71,13 @@ def found(**changes):
     return Optimised(**{**given, **changes})
 
 
+def test_keys_that_take_the_same_value_change_each_in_the_mission():
+    """``out.speed+back.speed`` is a column of a table, and no key."""
+    chosen = found()
+    assert chosen.recommended_values == {**dict.fromkeys(SPEED.keys, "1.2 m/s"), ANCHOR.keys[0]: "light"}
+    assert found(feasible=False).recommended_values == {}
+
+
 def test_what_fails_more_often_than_not_is_no_choice():
     hopeless = found(fresh=checked(0))
     assert report.answer(hopeless).startswith("Nothing to choose: the mission fails more often than not.")

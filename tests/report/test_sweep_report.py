@@ -52,6 +52,15 @@ def sweep(*points, required=0.99, best=0):
     return Sweep(provenance, "out", "monte-carlo", 1000.0, 1.0, 60.0, 20.0, (curve,))
 
 
+@pytest.mark.parametrize(("trials", "is_order"), [(1, False), (3, False), (15, False), (16, True)])
+def test_so_few_trials_that_all_may_have_arrived_by_chance_are_no_ground_for_an_order(trials, is_order):
+    """Of 15 that all arrive the interval goes below 80 %."""
+    lucky = replace(point(700.0, 0.20, 500), arrived=wilson(trials, trials))
+    words = page(sweep(lucky, required=0.9)).answer
+    assert words.startswith("Choose d_max") == is_order
+    assert words.startswith("Nothing to choose yet: first run more trials; as the mission stands") != is_order
+
+
 def test_the_cheapest_d_max_that_arrives_often_enough_is_recommended():
     found = sweep(point(400.0, 0.10, 496), point(700.0, 0.20, 500), point(1000.0, 0.30, 500), required=0.995)
     entry = found.summary()["sweep"][0]

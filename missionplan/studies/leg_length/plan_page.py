@@ -10,6 +10,7 @@ from missionplan.report.explained import (
     judged_in_words,
     members_in_words,
     members_section,
+    too_few,
     works,
 )
 from missionplan.report.page import Cells, Listing, Page, PageSection, Table
@@ -82,6 +83,8 @@ def _cells(plan: LegPlan) -> Cells:
 
 def answer(plan: LegPlan) -> str:
     """Write whether to let the legs adapt, what it saves, and whether what is in doubt changes that."""
+    if not np.isfinite(plan.chosen.cost):
+        return _choice(plan)
     sailed = members_in_words(plan.arrivals, "arrives")
     return f"{_choice(plan)}{judged_in_words(plan.judged)}{_doubt_in_words(plan)}{sailed and f' {sailed}'}"
 
@@ -93,6 +96,8 @@ def _is_firm(plan: LegPlan) -> bool:
     if hangs_on_doubt(
         plan.chosen.arrived, [(member.probability, member.good) for member in plan.arrivals], plan.required_arrival
     ):
+        return False
+    if too_few(plan.chosen.arrived):
         return False
     return first_do(plan.judged, plan.phase) is None and (all(gains) if plan.recommended else not explained)
 
@@ -122,7 +127,8 @@ def _choice(plan: LegPlan) -> str:
             return "No legs arrive of all that were tried."
         few = f"No legs arrive as often as {100.0 * plan.required_arrival:g}\u00a0%"
         return f"{few}; {rule}, and arrives in {arriving} of the trials.{speed}"
-    not_yet = f"Nothing to choose yet:{first_do(plan.judged, plan.phase) or ''} as the mission stands,"
+    settles = too_few(plan.chosen.arrived) or first_do(plan.judged, plan.phase) or ""
+    not_yet = f"Nothing to choose yet:{settles} as the mission stands,"
     if not plan.recommended:
         what = f"a fixed d_max of {length_in_words(plan.fixed_d_max)}"
         lead = f"Take {what}" if _is_firm(plan) else f"{not_yet} {what} is best"
@@ -199,12 +205,13 @@ def _sections(plan: LegPlan) -> Iterator[PageSection]:
             f"The vehicle surfaces {case.adaptive.surfacings:.2f} times on average with the table, "
             f"{case.fixed.surfacings:.2f} times with the best fixed d_max"
         )
-    yield PageSection(surfacings, [tracks_figure(plan)])
+    if np.isfinite(case.fixed.surfacings):
+        yield PageSection(surfacings, [tracks_figure(plan)])
     heading = "What the transit costs when the errors are not as planned"
     if plan.adapts:
         heading = "The table still saves when the errors are not as planned"
         if plan.losing:
-            heading = "The table loses its advantage with " + ", or ".join(case.name for case in plan.losing)
+            heading = "The table saves nothing with " + ", or ".join(case.name for case in plan.losing)
     yield PageSection(heading, [*([cases_figure(plan)] if plan.adapts else []), cases_table(plan)])
     if plan.integral_applies:
         compared = [(case.fixed, plan.fixed_cost), *([(case.adaptive, plan.expected_cost)] if plan.adapts else [])]

@@ -300,8 +300,9 @@ class LegPlan(FoundLegs, Result):
 
     @property
     def recommended_values(self) -> Mapping[str, object]:
-        """The changed keys of the transit, by their paths."""
-        return {f"{self.phase}.{key}": value for key, value in self.changes.items()}
+        """The changed keys of the transit, by their paths; none where no legs arrive."""
+        changes = self.changes if np.isfinite(self.chosen.cost) else {}
+        return {f"{self.phase}.{key}": value for key, value in changes.items()}
 
     def mission_with_legs(self) -> dict[str, object]:
         """Return the mission's data with the transit as planned."""

@@ -10,6 +10,7 @@ from missionplan.report.explained import (
     judged_in_words,
     members_in_words,
     members_section,
+    too_few,
     what_would_tell,
     works,
 )
@@ -84,7 +85,7 @@ def answer(sweep: Sweep) -> str:
     judged, members = judged_in_words(sweep.judged), members_in_words(sweep.members, "arrives")
     members = members and f" {members}"
     if not np.isfinite(chosen.cost):
-        return f"With {sigma} no plan of this sweep arrives.{judged}"
+        return f"With {sigma} no plan of this sweep arrives."
     time, arriving = time_in_words(sweep.nominal_time * (1.0 + chosen.cost)), share(chosen.arrived)
     if not curve.reaches(chosen):
         return (
@@ -99,8 +100,9 @@ def answer(sweep: Sweep) -> str:
     hangs = hangs_on_doubt(
         chosen.arrived, [(member.probability, member.good) for member in sweep.members], curve.required_arrival
     )
-    firm = first is None and not hangs and all(explanation.keeps_choice for explanation in sweep.explanations)
-    settles = first or (f" first {what_would_tell(())};" if hangs else "")
+    few = too_few(chosen.arrived)
+    firm = first is None and not (hangs or few) and all(explanation.keeps_choice for explanation in sweep.explanations)
+    settles = few or first or (f" first {what_would_tell(())};" if hangs else "")
     lead = "Choose" if firm else f"Nothing to choose yet:{settles} as the mission stands,"
     lead = f"{lead} d_max = {d_max}{'' if firm else ' is best'}"
     return f"{lead} for {sigma}: {took}{_against_one_leg(sweep)}.{_doubt_in_words(sweep)}{members}{judged}"

@@ -187,8 +187,9 @@ class Sweep(Result):
 
     @property
     def recommended_values(self) -> Mapping[str, object]:
-        """The d_max that is recommended for the middle velocity error."""
-        return {f"{self.phase}.d_max": f"{self.middle.recommended.d_max:.1f} m"}
+        """The d_max that is recommended for the middle velocity error; none where none arrives."""
+        best = self.middle.recommended
+        return {f"{self.phase}.d_max": f"{best.d_max:.1f} m"} if np.isfinite(best.cost) else {}
 
     @property
     def nominal_time(self) -> Annotated[float, Entry(unit="s")]:
