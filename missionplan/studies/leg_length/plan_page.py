@@ -181,6 +181,16 @@ def _speed_in_words(plan: LegPlan) -> str:
     )
 
 
+def _surfacings_in_words(plan: LegPlan) -> str:
+    case = plan.cases[0]
+    if not plan.recommended:
+        return f"The vehicle surfaces {number(case.fixed.surfacings, 0.02)} times on average"
+    return (
+        f"The vehicle surfaces {case.adaptive.surfacings:.2f} times on average with the table, "
+        f"{case.fixed.surfacings:.2f} times with the best fixed d_max"
+    )
+
+
 def _sections(plan: LegPlan) -> Iterator[PageSection]:
     case = plan.cases[0]
     if not plan.integral_applies:
@@ -188,7 +198,6 @@ def _sections(plan: LegPlan) -> Iterator[PageSection]:
     if plan.candidates:
         yield _candidates_section(plan)
     yield from members_section(plan.arrivals, "plan", "arrive (95 % interval)", _SAILED)
-    surfacings = f"The vehicle surfaces {number(case.fixed.surfacings, 0.02)} times on average"
     if plan.recommended:  # a fixed d_max stands among what changes
         spread = f"σ_v = {with_error(plan.planned_sigma, 0.0, reader_unit('m/s', 0.0))}"
         if plan.base_spread > 0.0:
@@ -201,12 +210,8 @@ def _sections(plan: LegPlan) -> Iterator[PageSection]:
             "knots, leg length is linear. The table is also in legs.yaml, and in its place in mission-with-legs.yaml."
         )
         yield PageSection("What to write in the mission file", [words, _changes_as_written(plan)])
-        surfacings = (
-            f"The vehicle surfaces {case.adaptive.surfacings:.2f} times on average with the table, "
-            f"{case.fixed.surfacings:.2f} times with the best fixed d_max"
-        )
     if np.isfinite(case.fixed.surfacings):
-        yield PageSection(surfacings, [tracks_figure(plan)])
+        yield PageSection(_surfacings_in_words(plan), [tracks_figure(plan)])
     heading = "What the transit costs when the errors are not as planned"
     if plan.adapts:
         heading = "The table still saves when the errors are not as planned"
