@@ -181,6 +181,16 @@ def _speed_in_words(plan: LegPlan) -> str:
     )
 
 
+def _cases_section(plan: LegPlan) -> PageSection:
+    """Show what errors other than planned cost."""
+    if not plan.adapts:
+        return PageSection("What the transit costs when the errors are not as planned", [cases_table(plan)])
+    heading = "The table still saves when the errors are not as planned"
+    if plan.losing:
+        heading = "The table saves nothing with " + ", or ".join(case.name for case in plan.losing)
+    return PageSection(heading, [cases_figure(plan), cases_table(plan)])
+
+
 def _surfacings_in_words(plan: LegPlan) -> str:
     case = plan.cases[0]
     if not plan.recommended:
@@ -212,12 +222,7 @@ def _sections(plan: LegPlan) -> Iterator[PageSection]:
         yield PageSection("What to write in the mission file", [words, _changes_as_written(plan)])
     if np.isfinite(case.fixed.surfacings):
         yield PageSection(_surfacings_in_words(plan), [tracks_figure(plan)])
-    heading = "What the transit costs when the errors are not as planned"
-    if plan.adapts:
-        heading = "The table still saves when the errors are not as planned"
-        if plan.losing:
-            heading = "The table saves nothing with " + ", or ".join(case.name for case in plan.losing)
-    yield PageSection(heading, [*([cases_figure(plan)] if plan.adapts else []), cases_table(plan)])
+    yield _cases_section(plan)
     if plan.integral_applies:
         compared = [(case.fixed, plan.fixed_cost), *([(case.adaptive, plan.expected_cost)] if plan.adapts else [])]
         agree = all(abs(trials.cost - expected) <= 3.0 * trials.standard_error for trials, expected in compared)
