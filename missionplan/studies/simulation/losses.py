@@ -16,6 +16,7 @@ from missionplan.mission.documents import read_json
 from missionplan.mission.schema.place import to_plane
 from missionplan.mission.views import required_origin
 from missionplan.moments import moment_of
+from missionplan.results.entries import mapping
 from missionplan.results.failures import Failure
 from missionplan.results.whereabouts import AFLOAT, WAYS, Way
 from missionplan.studies.simulation.phase_trials import Flags, PhaseTrials
@@ -192,17 +193,15 @@ def read_searches(path: Path, mission: Mission) -> tuple[Search, ...]:
 
 
 def _features(document: object, name: str) -> Sequence[Mapping[str, Any]]:
-    kind = document.get("type") if isinstance(document, dict) else None
-    features = document.get("features") if kind == "FeatureCollection" and isinstance(document, dict) else None
-    if kind == "Feature" and isinstance(document, dict):
-        features = [document]
+    written = mapping(document)
+    features = {"FeatureCollection": written.get("features"), "Feature": [written]}.get(str(written.get("type")))
     if not isinstance(features, list) or not features or not all(isinstance(feature, dict) for feature in features):
         raise InputError([Problem("expected GeoJSON with one or more features", name)])
     return features
 
 
 def _search(feature: Mapping[str, Any], mission: Mission) -> Search:
-    properties = feature.get("properties") or {}
+    properties = mapping(feature.get("properties"))
     detection, time = properties.get("probability_of_detection"), properties.get("time")
     if isinstance(detection, bool) or not isinstance(detection, int | float) or not 0.0 <= detection <= 1.0:
         raise ValueError(f"probability_of_detection: given {shown(detection)}, expected a number from 0 to 1")
@@ -221,10 +220,10 @@ def _search(feature: Mapping[str, Any], mission: Mission) -> Search:
 
 
 def _polygons(geometry: object, mission: Mission) -> Iterator[tuple[Array, ...]]:
-    kind = geometry.get("type") if isinstance(geometry, dict) else None
-    if kind not in ("Polygon", "MultiPolygon") or not isinstance(geometry, dict):
+    written: Mapping[str, Any] = mapping(geometry)
+    kind, parts = written.get("type"), written.get("coordinates")
+    if kind not in ("Polygon", "MultiPolygon"):
         raise ValueError(f"geometry: given {shown(kind)}, expected a Polygon or a MultiPolygon")
-    parts = geometry.get("coordinates")
     for part in [parts] if kind == "Polygon" else parts or ():
         yield tuple(_ring(ring, mission) for ring in part or ())
 

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from pyproj import Geod
 
+from missionplan.errors import InputError
 from missionplan.mission import Mission
 from missionplan.phases.currents import layers
 from missionplan.phases.recorded_currents import SeriesCurrent
@@ -183,6 +184,38 @@ def test_searched_polygons_lie_where_they_are_on_earth_and_are_in_the_order_of_t
         path.write_text(json.dumps(feature("2026-06-01T09:30Z", "Polygon", [wrong])))
         with pytest.raises(Exception, match=words):
             read_searches(path, mission)
+
+
+RING = [[[10.0, 0.0], [10.1, 0.0], [10.1, 0.1], [10.0, 0.0]]]
+GOOD = {
+    "type": "Feature",
+    "properties": {"probability_of_detection": 0.7, "time": "2026-06-01T09:30Z"},
+    "geometry": {"type": "Polygon", "coordinates": RING},
+}
+
+
+@pytest.mark.parametrize(
+    ("document", "words"),
+    [
+        ("{", "is not valid JSON"),
+        ({"type": "FeatureCollection", "features": []}, "expected GeoJSON with one or more features"),
+        ([GOOD], "expected GeoJSON with one or more features"),
+        (GOOD | {"properties": None}, "probability_of_detection: given None, expected a number from 0 to 1"),
+        (GOOD | {"properties": ["time"]}, "probability_of_detection: given None, expected a number from 0 to 1"),
+        (GOOD | {"properties": {"probability_of_detection": 0.7}}, "time: missing"),
+        (GOOD | {"properties": GOOD["properties"] | {"time": "noon"}}, "time: expected a date and time"),
+        (GOOD | {"properties": GOOD["properties"] | {"way": "lost"}}, "way: given 'lost', expected one of"),
+        (GOOD | {"geometry": {"type": "Point", "coordinates": [10.0, 0.0]}}, "given 'Point', expected a Polygon"),
+        (GOOD | {"geometry": {"type": "Polygon", "coordinates": [[[10.0, 0.0]]]}}, "a ring has three or more points"),
+    ],
+)
+def test_searches_that_cannot_be_read_are_refused(tmp_path, document, words):
+    mission = Mission.from_data({"start": "2026-06-01T08:00Z",
+                                 "site": {"origin": {"latitude": "0 deg", "longitude": "10 deg"}}})  # fmt: skip
+    path = tmp_path / "searched.geojson"
+    path.write_text(document if isinstance(document, str) else json.dumps(document))
+    with pytest.raises(InputError, match=words):
+        read_searches(path, mission)
 
 
 def test_the_integration_is_of_fifth_order():
