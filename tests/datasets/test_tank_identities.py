@@ -4,7 +4,7 @@ import pandas as pd
 import pytest
 import yaml
 
-from missionplan.datasets.tank import read_tank_data
+from missionplan.datasets.tank import FRESH_WATER, read_tank_data
 from missionplan.errors import InputError
 
 SPRINGS = {"kind": "free-oscillation", "stiffness": "4000 N/m", "mass": "20 kg"}
@@ -54,3 +54,10 @@ def test_nines_are_no_forces_and_a_drag_along_the_motion_is_refused(tmp_path):
     assert "data.csv: 1 row left out without force_n" in found.notices
     with pytest.raises(InputError, match="most forces are not above 0"):
         read(tmp_path, drag, table.assign(force_n=[-1.0, -4.0, 9.0]))
+
+
+def test_fresh_water_is_that_of_19_degrees():
+    """Kestin, Sokolov & Wakeham 1978 (*J. Phys. Chem. Ref. Data* 7): 1.0266 mPa s; density 998.4 kg/m³."""
+    density, viscosity = FRESH_WATER
+    assert density == pytest.approx(998.4, rel=2e-3)
+    assert viscosity == pytest.approx(1.0266e-3 / 998.4, rel=0.02)

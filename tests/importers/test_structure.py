@@ -51,7 +51,7 @@ def dives(voyage):
 
 
 def seaglider(folder, *, ctd="ctd_data_point", upper=False, order=1, transposed=False, mission="made up", number=561,
-              in_cm=False):  # fmt: skip
+              in_cm=False, later=0.0):  # fmt: skip
     netcdf = pytest.importorskip("netCDF4", reason="netCDF4 is not installed")
     folder.mkdir(exist_ok=True)
     for dive, fixed, (t, east, north), depth in dives(VOYAGE):
@@ -71,11 +71,11 @@ def seaglider(folder, *, ctd="ctd_data_point", upper=False, order=1, transposed=
             since = "seconds since 1970-1-1 00:00:00"
             size, unit = (100.0, "cm") if in_cm else (1.0, "meters")
             columns = [
-                ("log_gps_time", "gps_info", fixed.t, since), ("log_gps_lat", "gps_info", fixed.latitude),
+                ("log_gps_time", "gps_info", fixed.t + later, since), ("log_gps_lat", "gps_info", fixed.latitude),
                 ("log_gps_lon", "gps_info", fixed.longitude), ("log_gps_hdop", "gps_info", [1.0, 1.0, 1.0]),
-                ("time", "sg_data_point", depth.t, since),
+                ("time", "sg_data_point", depth.t + later, since),
                 ("depth", "sg_data_point", depth.values * size, unit),
-                ("ctd_time", ctd, t, since), ("east_displacement", ctd, east * size, unit),
+                ("ctd_time", ctd, t + later, since), ("east_displacement", ctd, east * size, unit),
                 ("north_displacement", ctd, north * size, unit), ("horz_speed", ctd, 30.0 + 0.0 * t, "cm/s"),
             ]  # fmt: skip
             for column in columns[::order]:
@@ -97,16 +97,18 @@ def test_each_variable_of_a_seaglider_is_on_its_own_dimensions_clock(tmp_path):
 
 
 def test_two_gliders_or_two_deployments_are_no_one_track(tmp_path):
-    both = [seaglider(tmp_path / "a"), seaglider(tmp_path / "b", number=180)]
+    both = [seaglider(tmp_path / "a"), seaglider(tmp_path / "b", number=180, later=86400.0)]
     with pytest.raises(InputError, match=r"SG180 \(4 files\), SG561 \(4 files\).*--vehicle"):
         import_logs(both)
     agree(import_logs(both[:1]), import_logs(both, vehicle="sg561"))
     with pytest.raises(InputError, match="no vehicle 'SG5'"):
         import_logs(both, vehicle="SG5")
-    again = [both[0], seaglider(tmp_path / "c", mission="another")]
+    again = [both[0], seaglider(tmp_path / "c", mission="another", later=86400.0)]
     with pytest.raises(InputError, match=r"another.*made up.*--deployment"):
         import_logs(again)
     agree(import_logs(both[:1]), import_logs(again, deployment="made up"))
+    agree(import_logs(again[1:]), import_logs(again, deployment="another"))
+    agree(import_logs(both[1:]), import_logs(both, vehicle="sg180"))
 
 
 def test_a_dive_that_two_files_hold_is_summed_once(tmp_path):

@@ -73,6 +73,8 @@ def test_dives_released_late_are_read_about_their_own_releases(measured) -> None
     error = np.concatenate([log.depth for log in logs]) - prediction.centre
     loose = prediction.noises[-1]
     assert float(error @ np.linalg.solve(loose, error)) < 1.3 * len(error)
+    speed = np.mean([np.ptp(log.depth) / np.ptp(log.t) for log in logs])
+    assert error.mean() == pytest.approx(-0.25 * speed, rel=0.2)  # a dive to come is released as usual, and deeper
 
 
 def test_a_dive_to_come_is_read_as_those_so_far(measured) -> None:

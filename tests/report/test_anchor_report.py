@@ -6,10 +6,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
 
 from missionplan.mission import load
 from missionplan.phases.mooring import descent
-from missionplan.report.anchor import figures, sections
+from missionplan.report.anchor import drawing, figures, sections
 from missionplan.report.anchor.figures import draw_drag
 from missionplan.report.anchor.page import answer, page
 from missionplan.report.anchor.sections import drag
@@ -209,6 +210,21 @@ def test_the_drift_ends_at_the_anchor_within_the_radius(sizing, monkeypatch):
     until = np.count_nonzero(profile.time <= profile.stages["touchdown"])
     assert anchor == pytest.approx(profile.anchor_track[:, :until])
     assert vehicle == pytest.approx(profile.vehicle_track[:, :until])
+
+
+def test_tube_back_and_ring_are_drawn_as_thick_as_their_masses_make_them(sizing):
+    """Hollow cylinders cut lengthwise, in mm: the tube out to the anchor's radius, what is in it out to its wall."""
+    design, axes = sizing.to_build.design, Figure().add_subplot()
+    drawing._draw_parts(axes, design)
+    made, radius = design.problem.construction, design.problem.radius
+    spans = [patch.get_bbox().extents for patch in axes.patches if isinstance(patch, Rectangle)]
+    upper, lower = 1e-3 * np.array(spans[::2]), 1e-3 * np.array(spans[1::2])
+    long, (inner, outer) = upper[:, 2] - upper[:, 0], np.sort(upper[:, [1, 3]].T, axis=0)
+    assert np.sort(lower[:, [1, 3]].T, axis=0) == pytest.approx(np.stack((-outer, -inner)))
+    assert outer == pytest.approx([radius, inner[0], inner[0]])
+    densities = np.array([made.tube_density, made.back.density, made.trim_density])
+    masses = [made.tube_mass_per_length * long[0], made.back.mass, design.trim_mass]
+    assert densities * 2.0 * np.pi * outer * (outer - inner) * long == pytest.approx(masses)
 
 
 @pytest.mark.parametrize(

@@ -135,6 +135,7 @@ def test_times_without_a_requirement_choose_a_readable_unit():
     assert unit_for("moor", "duration_s", MISSION, typical=12.0).name == "s"
     assert unit_for("moor", "duration_s", MISSION, typical=1200.0) == Unit("min", 60.0)
     assert unit_for("moor", "duration_s", {}, typical=1e6).name == "d"
+    assert unit_for("slow down", "pitch_excursion_rad", {}) == Unit("°", pytest.approx(math.pi / 180.0))
 
 
 def test_a_unit_of_another_kind_is_not_taken():

@@ -13,6 +13,7 @@ from missionplan.diagnosis.diagnose import diagnose
 from missionplan.diagnosis.tank.fitting import LinearData, fitted_root, marginal
 from missionplan.diagnosis.tank.forward import drag_forward, noise_sd, row_blocks
 from missionplan.diagnosis.tank.kind import TankKind, _uncertainty
+from missionplan.diagnosis.tank.model import TankModel
 from missionplan.mission import load
 from missionplan.montecarlo.distributions import Normal
 from missionplan.physics.tank import displacement, natural_frequency
@@ -186,3 +187,28 @@ def test_rows_of_tank_data_lie_beside_both_models():
         )
         assert found["residual_extended"].tolist() == left
         assert found["extended"].tolist() == pytest.approx((np.array([3.0, 5.0]) - left).tolist())
+
+
+def test_what_a_linear_model_predicts_does_not_hang_on_where_it_was_linearised():
+    rng = np.random.default_rng(3)
+    columns, centre = rng.normal(size=(9, 1)), np.array([0.3])
+    y = 1.2 * columns[:, 0] + 0.1 * rng.normal(size=9)
+    model = SimpleNamespace(
+        forward=SimpleNamespace(y=y, sd=np.full(9, 0.1), groups=np.repeat(["a", "b", "c"], 3)),
+        fixed=0,
+        is_of=lambda *_: True,
+        prior=lambda _: SimpleNamespace(centre=centre),
+        predict=lambda _, settings: columns @ settings,
+    )
+
+    def scores(at):
+        state = SimpleNamespace(
+            **{"active": np.array([0]), "at": np.array([at]), "residuals": y - columns[:, 0] * at, "columns": columns},
+            **{"prior_sd": np.array([0.5]), "factor": 1.0},
+        )
+        return [
+            (score.log_score, score.squared_error)
+            for score in TankModel._scores(model, SimpleNamespace(causes=(), state=state))
+        ]
+
+    assert scores(1.1) == [pytest.approx(each) for each in scores(0.3)]

@@ -12,6 +12,7 @@ from missionplan.phases.mooring.descent import DescentRecord, descend
 from missionplan.phases.mooring.forces import Dive
 from missionplan.phases.mooring.motion import CrossFlowBody, TiedBodies
 from missionplan.phases.mooring.profile import simulate_profile
+from missionplan.phases.mooring.tied_pull_down import TiedWater
 from missionplan.physics.drag import QuadraticDrag
 from tests.phases.mooring.tied_reference import Case, tied, varied_case
 
@@ -164,3 +165,21 @@ def test_profile_tracks_both_bodies():
     below = (profile.anchor_depth - profile.vehicle_depth)[taut : down - 1]
     assert np.sqrt(apart[0] ** 2 + apart[1] ** 2 + below**2) == pytest.approx(DIVE.line_length, abs=0.02)
     assert (np.diff(profile.anchor_depth) >= -1e-6).all()
+
+
+def test_a_current_that_grows_evenly_is_met_as_it_is_between_the_times_at_which_it_is_looked_up():
+    """1 mm/s² more, and 1 cm/s less for each metre of depth: about the vehicle's middle and the anchor's."""
+
+    class Growing:
+        steady_for = 10.0
+
+        def velocity(self, t, depth, _):
+            return np.stack((0.2 + 0.001 * t - 0.01 * depth, 0.0 * depth))
+
+    start = np.array([100.0, 300.0])
+    place = np.array([[0.0, 0.0], [0.0, 0.0], [3.0, 4.0], [0.0, 0.0], [0.0, 0.0], [5.0, 5.0]])
+    water = TiedWater(Growing(), (0.5, -0.2), start)
+    for t in (0.0, 10.0, 13.0, 17.5, 20.0, 26.0):
+        east = water.at(t, place)[:, 0]
+        expected = [0.2 + 0.001 * (start + t) - 0.01 * depth for depth in (place[2] - 0.5, place[2] + 5.0 + 0.2)]
+        assert east == pytest.approx(np.array(expected)), t
