@@ -255,4 +255,7 @@ def _record(path: Path, mission: Mission) -> SeaLevel:
     if problems:
         raise InputError(problems)
     order = np.argsort(table[0], kind="stable")
+    again = order[1:][np.diff(table[0, order]) == 0.0]
+    if again.size:
+        raise InputError([Problem("this row has the time of an earlier one", str(path), int(frame.index[again[0]]))])
     return SeaLevel(time=table[0, order], height=table[1, order])

@@ -168,6 +168,8 @@ def _check_one_place(files: FieldFiles, longitude: str, names: tuple[str, str]) 
 def _part(files: FieldFiles, area: Area, u: str, *, staggered: bool) -> _Part:
     names = _coordinates(files, u, staggered=staggered)
     x, y = (files.fixed(name) for name in names)
+    if files.variable(names[1]).dims == files.variable(names[0]).dims[::-1]:
+        y = y.T
     if x.ndim != 2 or x.shape != y.shape:
         raise files.problem(f"{names[0]} and {names[1]} are not two-dimensional and of one shape")
     is_finite = np.isfinite(x) & np.isfinite(y)

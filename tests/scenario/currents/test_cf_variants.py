@@ -565,3 +565,24 @@ def test_depths_are_no_members_whatever_their_axis_is_called(tmp_path, plain):
     opened_field(tmp_path / "plain.nc").rename(lev="number").to_netcdf(tmp_path / "field.nc")
     assert member_count([str(tmp_path / "field.nc")], "field") == 1
     assert drift(tmp_path / "field.nc") == pytest.approx(plain, rel=2e-5)
+
+
+@pytest.mark.parametrize("turned", ["lat", "lon"])
+def test_places_of_nodes_stand_in_either_order(tmp_path, turned):
+    """On as many rows as columns, where the shapes do not tell them apart."""
+    xarray = pytest.importorskip("xarray")
+    east, north = np.meshgrid(-124.0 + np.linspace(-0.2, 0.2, 9), 45.0 + np.linspace(-0.2, 0.2, 9))
+    speed = (("time", "j", "i"), np.stack([east + 124.0] * HOURS.size))
+    field = xarray.Dataset({"u": speed, "v": speed, "lat": (("j", "i"), north), "lon": (("j", "i"), east)})
+    for name, way in (("u", "eastward"), ("v", "northward")):
+        field[name].attrs.update(units="m s-1", standard_name=f"{way}_sea_water_velocity")
+    field = field.assign_coords(time=("time", HOURS, {"units": "hours since 2026-06-01"}))
+    for name, each in (("plain", field), ("turned", field.assign({turned: field[turned].transpose()}))):
+        each.to_netcdf(tmp_path / f"{name}.nc")
+    plain, other = (
+        read_field([str(path)], Area(ORIGIN, np.datetime64("2026-06-01T00:30", "ns"), np.zeros((2, 1))), path.name)
+        for path in (tmp_path / "plain.nc", tmp_path / "turned.nc")
+    )
+    place = np.array([[3000.0], [-8000.0]])
+    assert other.velocity(0.0, 0.5, place) == pytest.approx(plain.velocity(0.0, 0.5, place))
+    assert plain.velocity(0.0, 0.5, place)[0, 0] == pytest.approx(3000.0 / 78_850.0, rel=0.01)

@@ -358,6 +358,9 @@ def test_high_water_is_when_greenwich_has_it_and_a_record_by_dates_counts_from_t
     tide = {"file": "tide.csv"}
     level = placed(write("m", start="2026-06-01T07:00Z", bathymetry={"file": "bay.nc"}, tide_height=tide)).sea_level
     assert level.at(np.array([0.0, 1800.0, 3600.0])) == pytest.approx([0.0, 0.6, 1.2])
+    (tmp_path / "tide.csv").write_text("t_s,height_m\n2026-06-01T08:00Z,1.2\n0,0\n2026-06-01T10:00+02:00,3\n")
+    with pytest.raises(InputError, match=r"tide\.csv:4: this row has the time of an earlier one"):
+        placed(write("m2", start="2026-06-01T07:00Z", bathymetry={"file": "bay.nc"}, tide_height=tide))
 
 
 def test_continents_collections_and_crossed_outlines_are_read(tmp_path, write):
