@@ -145,7 +145,7 @@ def _geojson(chart: Chart) -> tuple[list[Feature], str]:
         data = json.loads(chart.path.read_text(encoding="utf-8-sig"))
         shapes = [(shape(geometry), properties) for geometry, properties in _parts(data)]
         system = str(data.get("crs", {}).get("properties", {}).get("name", ""))
-    except (OSError, ValueError, KeyError, TypeError, AttributeError, ShapelyError) as error:
+    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError, ShapelyError) as error:
         raise chart.problem(f"cannot be read as GeoJSON: {type(error).__name__}: {error}") from None
     return shapes, chart.system(None if re.search(r"CRS84$|\D4326$|^$", system) else system)
 
@@ -158,8 +158,11 @@ def _parts(data: Any) -> Iterator[tuple[Mapping[str, Any], Mapping[str, object]]
         for feature in data["features"]:
             yield from _parts(feature)
     elif data["type"] == "Feature":
+        properties = data.get("properties") or {}
+        if not isinstance(properties, Mapping):
+            raise ValueError("the `properties` of a feature are no object")
         if data["geometry"] is not None:
-            yield data["geometry"], data.get("properties") or {}
+            yield data["geometry"], properties
     else:
         yield data, {}
 

@@ -296,6 +296,8 @@ def test_times_and_depths_of_a_zone(tmp_path, write):
         ({"land": {"file": "line.geojson"}}, "no polygons"),
         ({"land": {"file": "bay.nc"}}, "expected .geojson"),
         ({"land": {"file": "broken.geojson"}}, "GeoJSON"),
+        ({"land": {"file": "nested.geojson"}}, "cannot be read as GeoJSON: RecursionError"),
+        ({"land": {"file": "named.geojson"}}, "`properties` of a feature are no object"),
         ({"bathymetry": {"file": "short.asc"}}, "has 3 values"),
         ({"bathymetry": {"file": "words.xyz"}}, "line 3"),
     ],
@@ -311,6 +313,9 @@ def test_a_file_that_cannot_be_meant_is_named_with_its_key(tmp_path, write, site
     line = {"type": "LineString", "coordinates": [[-76, 37], [-76.1, 37]]}
     (tmp_path / "line.geojson").write_text(json.dumps(line))
     (tmp_path / "broken.geojson").write_text('{"type": "Polygon"')
+    (tmp_path / "nested.geojson").write_text("[" * 100_000)
+    named = {"type": "Feature", "properties": ["name"], "geometry": shapely.geometry.mapping(shapely.box(0, 0, 1, 1))}
+    (tmp_path / "named.geojson").write_text(json.dumps(named))
     (tmp_path / "short.asc").write_text("ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 1\n1 2 3\n")
     (tmp_path / "words.xyz").write_text("0 0 1\n1 0 1\n0 x 1\n1 1 1\n")
     with pytest.raises(InputError, match=words) as caught:
