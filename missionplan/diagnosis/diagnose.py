@@ -12,7 +12,7 @@ from threadpoolctl import threadpool_limits
 
 from missionplan.datasets import files_outside
 from missionplan.diagnosis.data_kind import DataKind
-from missionplan.diagnosis.experiment_design import Discrimination, discriminations
+from missionplan.diagnosis.experiment_design import discriminations
 from missionplan.diagnosis.explanations import Weighed, hypotheses, odds, weighed, weighed_with_causes, with_found
 from missionplan.diagnosis.extended_mission import extended_mission
 from missionplan.diagnosis.given import forecast_notice
@@ -24,7 +24,7 @@ from missionplan.effects import CATALOGUE
 from missionplan.mission import Mission, MissionOrPath
 from missionplan.results import Provenance
 from missionplan.results.learned import Diagnosis, PlanGain
-from missionplan.results.learned.evidence import Causes, GroupScore, Judgement, RankedSet, TakenAsExact
+from missionplan.results.learned.evidence import Causes, GroupScore, Judgement, NextMeasurement, RankedSet, TakenAsExact
 from missionplan.results.learned.levels import ParameterLevels
 from missionplan.results.learned.next_trial import NextTrial
 from missionplan.store.folder import as_path
@@ -224,7 +224,7 @@ def _levels(learned: Mission, seed: int, *, urgency: bool) -> tuple[ParameterLev
 
 def _separated(
     bound: DataKind, pipeline_result: PipelineResult, judgement: Judgement, jobs: int
-) -> tuple[Discrimination, ...]:
+) -> list[tuple[NextMeasurement, bool]]:
     """Next measurements that separate the first rivals from the claimed set."""
     fits = {candidate.causes: candidate.fit for candidate in pipeline_result.selection.ranking}
     rivals = [fits[causes] for causes in judgement.rivals if causes in fits][:SEPARATED]
@@ -236,7 +236,7 @@ def _result(
     bound: DataKind,
     pipeline_result: PipelineResult,
     judgement: Judgement,
-    separated: tuple[Discrimination, ...],
+    separated: Sequence[tuple[NextMeasurement, bool]],
     decision: PlanGain,
     extended: dict[str, object],
 ) -> Diagnosis:
@@ -260,8 +260,8 @@ def _result(
         base_discrepancy=pipeline_result.base_discrepancy,
         scores=group_scores(pipeline_result),
         outlying_groups=pipeline_result.outlying_groups,
-        indistinguishable=tuple(pair.measurement.separates for pair in separated if pair.indistinguishable),
-        next_measurements=tuple(pair.measurement for pair in separated),
+        indistinguishable=tuple(measurement.separates for measurement, is_alike in separated if is_alike),
+        next_measurements=tuple(measurement for measurement, _ in separated),
         decision=decision,
         calibration=bound.calibration(pipeline_result.best),
         untestable=bound.model.untestable,

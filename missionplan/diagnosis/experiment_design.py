@@ -5,7 +5,6 @@ lack of fit of the second set to what the first predicts. Here lack of fit is th
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from functools import partial
 
 from missionplan.diagnosis.inference.model import CauseFit, Model
@@ -19,26 +18,19 @@ INDISTINGUISHABLE_BELOW = 1.0
 """Expected nats of data like those in hand below which these cannot discriminate between two sets."""
 
 
-@dataclass(frozen=True)
-class Discrimination:
-    """How a rival can be separated from the first set."""
-
-    measurement: NextMeasurement
-    """The cheapest sufficient one, else the best there is."""
-    indistinguishable: bool
-    """Whether data like those in hand cannot discriminate between the two."""
-
-
 def discriminations(
     model: Model, first: CauseFit, rivals: Sequence[CauseFit], jobs: int = 1
-) -> tuple[Discrimination, ...]:
-    """Find the cheapest measurement that separates each rival from the first set, which is taken as true."""
+) -> list[tuple[NextMeasurement, bool]]:
+    """Find the cheapest sufficient measurement that separates each rival from the first set, else the best there is.
+
+    The first set is taken as true. With each comes whether data like those in hand cannot discriminate between the two.
+    """
     asked = [(rival, in_hand) for rival in rivals for in_hand in (False, True)]
     measurements = parallel_map(partial(_measurements, model, first), asked, jobs=jobs)
-    return tuple(
-        Discrimination(cheapest, in_hand.expected_log_bayes_factor < INDISTINGUISHABLE_BELOW)
+    return [
+        (cheapest, in_hand.expected_log_bayes_factor < INDISTINGUISHABLE_BELOW)
         for cheapest, in_hand in zip(measurements[::2], measurements[1::2], strict=True)
-    )
+    ]
 
 
 def _measurements(model: Model, first: CauseFit, asked: Sequence[tuple[CauseFit, bool]]) -> list[NextMeasurement]:

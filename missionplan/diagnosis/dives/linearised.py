@@ -32,10 +32,55 @@ from missionplan.diagnosis.inference.prior import Prior
 from missionplan.effects import effects_of, named_effects
 from missionplan.results.learned.evidence import Causes
 
+DIFFERENCE = 0.01
+"""Step of the forward differences along coordinates, in prior standard deviations."""
+WEIGHT_STEP, DRAG_STEP, DELAY_STEP = 0.01, 0.01, 0.005
+"""Steps of the differences along wet weight and drag, of themselves, and along a release delay [s]."""
+CURVATURE_STEP = 0.1
+"""Step of the second differences along the release delay [s]: its standard deviation from dive to dive."""
+DELAY_ITERATIONS = 2
+"""Gauss–Newton steps towards each dive's most likely release delay."""
+FIXED_SETTINGS = 6
+"""Settings of a linearisation before those of its forward differences."""
+
 
 @dataclass(frozen=True)
-class DescentPriors:
-    """The d dives of a data set with k coordinates of all causes, each under a spike-and-slab prior."""
+class DiveLinearisation:
+    """The model linearised about a set's best coordinates."""
+
+    at: Array
+    """Coordinates, shape (k,)."""
+    centre: Array
+    """Prior means of the coordinates, shape (k,)."""
+    release_delays: Array
+    """Most likely delay of each dive's release (the separation of vehicle and anchor) on its log's clock, about which
+    the readings are linearised, shape (d,) [s]."""
+    y: Array
+    """Data less the model there, plus columns times the distance of `at` from the prior means, plus sensitivities times
+    `release_delays`, shape (N,) [m]."""
+    columns: Array
+    """Shape (N, k). Sensitivities to all coordinates; zero for shape parameters of effects that are neither causes nor
+    the mission's own, and for all of such effects without a name."""
+    sensitivities: Array
+    """To what differs from dive to dive, in the order of `DIVE_SD`, shape (N, 4)."""
+    readings: Array
+    """The model there, shape (N,) [m]."""
+    curvature: Array
+    """Second-order term of the release delay's scatter: large where the line goes taut with a jerk, shape (N,) [m]."""
+    shaped: Array
+    """Part of the readings that is due to the causes whose form is approximate, shape (N,) [m]."""
+
+    def sensitivity(self, name: str) -> Array:
+        """Sensitivity of the readings to one of the things that differ from dive to dive, shape (N,)."""
+        return self.sensitivities[:, list(DIVE_SD).index(name)]
+
+
+@dataclass(frozen=True)
+class LinearisedDescent:
+    """Base model of a mission's descent, bound to d dive logs and linearised, with every cause of the catalogue.
+
+    The k coordinates of all causes have spike-and-slab priors.
+    """
 
     forward: DescentForward
     """The descent phase, bound to the dives."""
@@ -108,54 +153,6 @@ class DescentPriors:
     def index(self, effect: str) -> int:
         """First coordinate of an effect."""
         return [coordinate.effect for coordinate in self.coordinates].index(effect)
-
-
-DIFFERENCE = 0.01
-"""Step of the forward differences along coordinates, in prior standard deviations."""
-WEIGHT_STEP, DRAG_STEP, DELAY_STEP = 0.01, 0.01, 0.005
-"""Steps of the differences along wet weight and drag, of themselves, and along a release delay [s]."""
-CURVATURE_STEP = 0.1
-"""Step of the second differences along the release delay [s]: its standard deviation from dive to dive."""
-DELAY_ITERATIONS = 2
-"""Gauss–Newton steps towards each dive's most likely release delay."""
-FIXED_SETTINGS = 6
-"""Settings of a linearisation before those of its forward differences."""
-
-
-@dataclass(frozen=True)
-class DiveLinearisation:
-    """The model linearised about a set's best coordinates."""
-
-    at: Array
-    """Coordinates, shape (k,)."""
-    centre: Array
-    """Prior means of the coordinates, shape (k,)."""
-    release_delays: Array
-    """Most likely delay of each dive's release (the separation of vehicle and anchor) on its log's clock, about which
-    the readings are linearised, shape (d,) [s]."""
-    y: Array
-    """Data less the model there, plus columns times the distance of `at` from the prior means, plus sensitivities times
-    `release_delays`, shape (N,) [m]."""
-    columns: Array
-    """Shape (N, k). Sensitivities to all coordinates; zero for shape parameters of effects that are neither causes nor
-    the mission's own, and for all of such effects without a name."""
-    sensitivities: Array
-    """To what differs from dive to dive, in the order of `DIVE_SD`, shape (N, 4)."""
-    readings: Array
-    """The model there, shape (N,) [m]."""
-    curvature: Array
-    """Second-order term of the release delay's scatter: large where the line goes taut with a jerk, shape (N,) [m]."""
-    shaped: Array
-    """Part of the readings that is due to the causes whose form is approximate, shape (N,) [m]."""
-
-    def sensitivity(self, name: str) -> Array:
-        """Sensitivity of the readings to one of the things that differ from dive to dive, shape (N,)."""
-        return self.sensitivities[:, list(DIVE_SD).index(name)]
-
-
-@dataclass(frozen=True)
-class LinearisedDescent(DescentPriors):
-    """Base model of a mission's descent and every cause of the catalogue, bound to dive logs and linearised."""
 
     @cached_property
     def base(self) -> DiveLinearisation:

@@ -47,23 +47,15 @@ def put_off(model: TransitModel) -> Iterator[tuple[str, str, TransitModel]]:
             yield *words, replace(model, base=more)
 
 
-@dataclass(frozen=True)
-class OneStep:
-    """Root mean square of the two-dimensional position error of the next leg [m]."""
+def one_step(model: TransitModel, fit: CauseFit) -> dict[str, float]:
+    """Predict every leg from the eleventh on; root mean squares of the position errors, none of a short record [m].
 
-    mean_so_far: float
-    """With the unweighted mean of the past velocity errors."""
-    last_leg: float
-    """With the last leg's velocity error."""
-    model: float
-    """With the fitted set of causes, its hyperparameters refitted along the record, to past legs alone."""
-
-
-def one_step(model: TransitModel, fit: CauseFit) -> OneStep | None:
-    """Predict every leg from the eleventh on; None for a record that is too short."""
+    By the mean of the past velocity errors, by the last leg's, and by the fitted set of causes, its hyperparameters
+    refitted along the record, to past legs alone.
+    """
     data = model.data
     if data.n < 2 * FIRST_PREDICTED:
-        return None
+        return {}
     predicted = np.arange(FIRST_PREDICTED, data.n)
     errors = []
     legs_per_refit = max(5, len(predicted) // REFITS)
@@ -75,15 +67,13 @@ def one_step(model: TransitModel, fit: CauseFit) -> OneStep | None:
         errors.append(model.y[:, k] - mean[:, 0])
     velocity = data.velocity_error
     mean_so_far = np.cumsum(velocity, axis=1)[:, predicted - 1] / predicted
-    return OneStep(
-        _rms(velocity[:, predicted] - mean_so_far, data.under_way[predicted]),
-        _rms(velocity[:, predicted] - velocity[:, predicted - 1], data.under_way[predicted]),
-        _rms(np.stack(errors, axis=1), data.under_way[predicted]),
-    )
-
-
-def _rms(velocity: Array, duration: Array) -> float:
-    return float(np.sqrt(np.mean(np.sum((velocity * duration) ** 2, axis=0))))
+    left = {
+        "next_leg_mean_so_far_rms_m": velocity[:, predicted] - mean_so_far,
+        "next_leg_last_leg_rms_m": velocity[:, predicted] - velocity[:, predicted - 1],
+        "next_leg_model_rms_m": np.stack(errors, axis=1),
+    }
+    moved = {name: error * data.under_way[predicted] for name, error in left.items()}
+    return {name: float(np.sqrt(np.mean(np.sum(error**2, axis=0)))) for name, error in moved.items()}
 
 
 def not_constant(model: TransitModel, fit: CauseFit) -> Causes:

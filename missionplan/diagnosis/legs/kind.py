@@ -331,12 +331,4 @@ class TransitKind(DataKind):
 
     def calibration(self, best: CauseFit) -> dict[str, float]:
         """Return the nuisance parameters as fitted, and how well the next leg's position error is predicted [m]."""
-        ahead = one_step(self.model, best)
-        if ahead is None:
-            return dict(best.calibration)
-        return {
-            **best.calibration,
-            "next_leg_mean_so_far_rms_m": ahead.mean_so_far,
-            "next_leg_last_leg_rms_m": ahead.last_leg,
-            "next_leg_model_rms_m": ahead.model,
-        }
+        return {**best.calibration, **one_step(self.model, best)}
