@@ -163,6 +163,7 @@ _UNITS = (
 
 _RULES: tuple[tuple[re.Pattern[str], str | Callable[[re.Match[str]], str]], ...] = (
     (re.compile(r"\b(k?)W(?:h|[*·]h| h)\b"), rf"\1W{NARROW_SPACE}h"),
+    (re.compile(r"\bN\*(?=[ms]\b)"), f"N{NARROW_SPACE}"),
     (re.compile(r"\^2\b"), "²"),
     (re.compile(r"\^3\b"), "³"),
     (re.compile(r"/(\w+)\*\*0\.5\b"), r"/√\1"),

@@ -200,6 +200,8 @@ def test_requirements_that_are_met_not_met_and_undecided_are_counted_apart(outco
     items = (requirement(outcome, 500, 500), requirement(outcome, 100, 500), requirement(outcome, 450, 500))
     sentence = terminal_view(replace(outcome, requirements=items)).sentence
     assert "Of its 3 requirements 1 is met, 1 is not met and 1 is undecided; what is reached" in sentence
+    open_ = terminal_view(replace(outcome, requirements=items[2:] * 2)).sentence
+    assert "Both requirements are undecided; what is reached" in open_
     assert items[2].trials_to_decide is None
     assert terminal_view(replace(outcome, requirements=items)).verdict == "bad"
 

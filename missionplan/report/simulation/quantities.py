@@ -99,6 +99,8 @@ def requirements_in_words(outcome: Outcome) -> str:
         return f"{_decided_in_words(met, len(items))}."
     if len(items) == 1:
         return f"Whether its requirement is met is undecided; {_remedy(undecided)}."
+    if len(undecided) == len(items):
+        return f"{'Both' if len(items) == 2 else f'All {len(items)}'} requirements are undecided; {_remedy(undecided)}."
     parts = [
         f"{count} {'is' if count == 1 else 'are'} {word}"
         for count, word in ((met, "met"), (missed, "not met"), (len(undecided), "undecided"))

@@ -26,6 +26,7 @@ from missionplan.errors import InputError, Problem
 from missionplan.physics.drag import disc_area
 from missionplan.physics.propeller import Propeller, thrust
 from missionplan.physics.propulsion import propeller_response
+from missionplan.report.wording import MINUS, significant
 from missionplan.results import Provenance
 from missionplan.studies.identification.drag import identify_drag
 from missionplan.studies.identification.fits import (
@@ -68,7 +69,10 @@ def identify_propeller(data: TankData, settings: PropellerSettings) -> TankAnaly
     level = scaled_estimate("thrust_coefficient", "α₀", "", fits[0]["thrust_nn"], unit)
     slope = scaled_estimate("thrust_coefficient_slope", "α₁", "", fits[0]["thrust_nu"], per_ratio)
     return TankAnalysis(
-        answer=f"Thrust follows {fits[0].name}: K_T = {level.value:.3f} - {-slope.value:.3f} J.",
+        answer=(
+            f"Thrust follows {fits[0].name}: K_T = {significant(level.value, level.sd)} {MINUS} "
+            f"{significant(-slope.value, slope.sd)} J."
+        ),
         fits=fits,
         panels=(
             FitPanel(
