@@ -39,7 +39,7 @@ def test_assumptions_of_the_best_are_asked_for_where_it_meets_what_is_required(l
         "requirements": [{"quantity": "transit.duration", "at_most": limit, "probability": 0.9}],
     }
     found = missionplan.explore(Mission.from_data(data), "d_max=200:300:100 m", trials=20, jobs=1)
-    assert (found.constrained, found.assumptions) == (meets, (CALM,) if meets else ())
+    assert (found.constrained, found.assumed) == (meets, (CALM,) if meets else ())
 
 
 def tidal_mission(folder, *, peak, period=12.42 * 3600.0, distance=6000.0):
