@@ -67,6 +67,42 @@ def fig8(**options):
     return sweep_dmax(load(FIG8), **options)
 
 
+@pytest.mark.parametrize(("times", "lengths"), [(0.5, 1.0), (1.0, 3.0), (2.0, 0.7)])
+def test_costs_do_not_change_with_the_units_of_time_and_length(times, lengths):
+    """A mission all of whose times and lengths are so many times as large costs the same shares of its time."""
+
+    def mission(time, length):
+        speed = length / time
+        way = {"name": "out", "from": ["0 m", "0 m"], "to": [f"{1000 * length} m", f"{400 * length} m"], "depth": "1 m"}
+        sizes = {"speed": f"{speed} m/s", "d_max": f"{500 * length} m", "arrival_radius": f"{20 * length} m"}
+        return Mission.from_data(
+            {
+                "site": {
+                    "depth": "9 m",
+                    "current": [{"down_to": "9 m", "speed": f"{0.1 * speed} m/s", "toward": "10 deg"}],
+                },
+                "navigation": {
+                    "velocity_error": {"mean": [f"{0.01 * speed} m/s", "0 m/s"], "sigma": f"{0.05 * speed} m/s"},
+                    "surfacing_time": {"mean": f"{60 * time} s", "sd": f"{5 * time} s"},
+                    "fix_error": f"{4 * length} m",
+                    "drift_compensation": "last-leg",
+                },
+                "phases": [{"transit": {**way, **sizes}}],
+                "sweep": {"d_max": [f"{share * length} m" for share in (200, 450, 1000)]},
+                "monte_carlo": {"trials": 100, "seed": 3},
+            }
+        )
+
+    one, other = (
+        sweep_dmax(each, method="monte-carlo").curves[0] for each in (mission(1.0, 1.0), mission(times, lengths))
+    )
+    for mine, theirs in zip(one.points, other.points, strict=True):
+        assert theirs.d_max == pytest.approx(lengths * mine.d_max)
+        assert (theirs.cost, theirs.sd, theirs.surfacings) == pytest.approx(
+            (mine.cost, mine.sd, mine.surfacings), rel=1e-6
+        )
+
+
 @pytest.mark.parametrize("block", [0, 3])
 def test_plans_are_sailed_on_the_trials_of_the_simulation_of_their_block(small, block):
     """All that is drawn of a trial, its errors and the mission's uncertain quantities, is as `simulate` draws it."""
