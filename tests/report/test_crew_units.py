@@ -26,6 +26,7 @@ from missionplan.report.quantities import (
 from missionplan.report.render import render_report, terminal_view
 from missionplan.studies.anchor import size_anchor
 from missionplan.studies.leg_length.sweep_dmax import sweep_dmax
+from missionplan.studies.validate import validate
 
 pytestmark = pytest.mark.usefixtures("drawn", "unassumed")
 
@@ -109,6 +110,17 @@ def test_a_mission_or_the_run_chooses_the_units_and_the_summary_stays_in_si(plai
     assert "\u00a0mi" in page
     assert "--units imperial" in page
     assert "nmi" in json.dumps(plain.provenance.data)
+
+
+@pytest.mark.parametrize(("units", "speed"), [(None, "1.50 m/s"), ("nautical", "2.92 kn"), ("imperial", "4.92 ft/s")])
+def test_what_was_checked_is_told_in_the_units_of_the_mission(units, speed):
+    mission = load(MISSIONS / "chesapeake.yaml").with_({"units": units} if units else {})
+    (checked,) = validate(mission)
+    assert any(f"Reynolds number is 150\u202f000 at {speed}" in plain_text(notice) for notice in checked.notices)
+
+
+def plain_text(words: str) -> str:
+    return words.replace("\u00a0", " ")
 
 
 def drawn(system: str, *, highest: float, aspect: str = "auto"):

@@ -14,6 +14,7 @@ import missionplan
 from missionplan.mission.includes import hash_of
 from missionplan.montecarlo.levels import Seen
 from missionplan.montecarlo.posterior import FILE, PosteriorFile, WeightedDraws
+from missionplan.report.render import terminal_view
 from missionplan.studies.history import parameter_levels
 from missionplan.studies.history.page import _moved, answer, page, parameter
 
@@ -165,6 +166,19 @@ def test_the_report_names_the_change(tmp_path: Path) -> None:
     assert "Not as before: angle of compass bias in b" in (folder / "report.html").read_text()
     assert (folder / "history.csv").read_text().count("\n") == 3
     assert (folder / "figures" / "history.svg").is_file()
+
+
+@pytest.mark.parametrize(
+    ("units", "told"), [(("nautical",) * 2, "0.78 to 1.16 kn"), (("nautical", ""), "0.40 to 0.60 m/s")]
+)
+def test_speeds_are_told_in_the_units_that_all_missions_have(units: tuple[str, str], told: str, tmp_path: Path) -> None:
+    for name, system in zip("ab", units, strict=True):
+        report(tmp_path, name, f"2026-05-0{1 + (name == 'b')}T00:00:00+00:00", found={"mean-current": (0.5, 0.06)})
+        file = tmp_path / name / "summary.json"
+        file.write_text(file.read_text().replace('"rad"', '"m/s"'))
+        (tmp_path / name / "mission.yaml").write_text(f"name: made\nunits: {system}\n" if system else "name: made\n")
+    rows = terminal_view(missionplan.history(tmp_path)).rows
+    assert {row[3].replace("\u00a0", " ") for row in rows} == {told}
 
 
 def test_a_folder_without_reports_is_refused(tmp_path: Path) -> None:
