@@ -15,8 +15,8 @@ from missionplan.montecarlo.statistics import Count, RunningStatistics
 from missionplan.montecarlo.streams import BLOCK
 from missionplan.results.failures import SUCCESS
 from missionplan.scenario.scenario import Scenario
+from missionplan.store.checkpoints import Checkpoints
 from missionplan.studies.simulation import block_sequence as task
-from missionplan.studies.simulation import simulate as module
 from missionplan.studies.simulation.block_sequence import Precision
 from missionplan.studies.simulation.block_statistics import BlockStatistics
 from missionplan.studies.simulation.simulate import simulate
@@ -229,13 +229,13 @@ def test_a_checkpoint_that_cannot_be_written_is_one_message(mission, tmp_path, m
     def full(*_):
         raise OSError(28, "No space left on device")
 
-    original = module.Checkpoints.write
+    original = Checkpoints.write
 
     def filling(store, *block):
         monkeypatch.setattr("pathlib.Path.replace", full)
         original(store, *block)
 
-    monkeypatch.setattr(module.Checkpoints, "write", filling)
+    monkeypatch.setattr(Checkpoints, "write", filling)
     with pytest.raises(RunError, match="No space left on device"):
         simulate(mission, trials=10, checkpoint=folder, sheet=False)
 
