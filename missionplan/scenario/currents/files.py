@@ -207,20 +207,18 @@ class FieldFiles:
 
         Raises InputError or FieldAttributeError when it is one of something else, the other one, or in no unit of it.
         """
-        other = self._other(name, number)
-        if other:
+        if other := self._other(name, number):
             raise self.problem(f"{name} is a {other}; expected the {self.carries.name} toward east and north")
         return speed_factor(self.variable(name), "m/s" if name in _MODELS_SPEEDS else "")
 
     def _other(self, name: str, number: int | None = None) -> str:
         """What a component says that it is, where that is none: something else, a statistic, or not that asked for."""
         variable = self.variable(name)
-        standard, methods = word(variable, "standard_name").lower(), word(variable, "cell_methods")
+        standard, statistic = word(variable, "standard_name").lower(), _STATISTIC.search(word(variable, "cell_methods"))
         text = re.sub(r"\W+", "_", word(variable, "long_name").lower())
         ways = _OTHER_WAY if standard else _OTHER_WORDS
         pattern = "|".join((self.carries.other, r"\s", *(() if number is None else (ways[number],))))
         is_other = re.search(pattern, standard or text)
-        statistic = _STATISTIC.search(methods)
         return standard or word(variable, "long_name") if is_other else statistic[0] if statistic else ""
 
     def components(self) -> tuple[str, str]:
@@ -236,9 +234,8 @@ class FieldFiles:
                 usual = usual or [name for name in self._all_named(standard) if not self._other(name)]
                 if len(usual) > 1:
                     raise self.problem(f"which of {', '.join(usual)} is the {carries.name}? Each is a {standard}")
-            chosen.append(
-                usual[0] if usual else self.required(f"the {carries.name} toward {way}", *names, standard=standards)
-            )
+            what = f"the {carries.name} toward {way}"
+            chosen.append(usual[0] if usual else self.required(what, *names, standard=standards))
         return chosen[0], chosen[1]
 
     def has_times(self, name: str) -> bool:
@@ -249,12 +246,12 @@ class FieldFiles:
     def members(self) -> str | None:
         """Return the dimension along which the members of an ensemble lie."""
         axes = [(str(dim), dataset[dim]) for dataset in self.datasets for dim in dataset.dims]
-        said = [
+        names = (
             dim
             for dim, axis in axes
-            if (_MEMBERS.fullmatch(dim.lower()) and not is_vertical(axis)) or standard_name(axis) == "realization"
-        ]
-        return next(iter(said), None)
+            if standard_name(axis) == "realization" or (_MEMBERS.fullmatch(dim.lower()) and not is_vertical(axis))
+        )
+        return next(names, None)
 
     def at_one_height(self) -> "FieldFiles":
         """Return a wind without the axis of its one height.
@@ -305,9 +302,9 @@ def undeclared_fill(u: NDArray[np.floating], v: NDArray[np.floating]) -> tuple[f
     farthest = [float(side.flat[np.argmax(np.abs(side))]) if side.size else 0.0 for side in finite]
     places = [side == one for side, one in zip(finite, farthest, strict=True)]
     rest = [float(np.abs(side[~there]).max(initial=0.0)) for side, there in zip(finite, places, strict=True)]
-    is_one, share = farthest[0] == farthest[1], 1.0 if farthest[0] == farthest[1] else 0.5
+    share = 1.0 if farthest[0] == farthest[1] else 0.5
     is_beyond = all(0.0 < other < share * abs(one) >= share for other, one in zip(rest, farthest, strict=True))
-    if is_beyond and (is_one or np.array_equal(*places)) and np.sum(places[0] & places[1]) >= _FILLS:
+    if is_beyond and (share == 1.0 or np.array_equal(*places)) and np.sum(places[0] & places[1]) >= _FILLS:
         return farthest[0], farthest[1]
     common = _nines(u, v)
     return common, common
