@@ -138,10 +138,10 @@ def _of_section(mission: Mission) -> Iterator[Axis | InputError]:
 
 
 def _check_values(mission: Mission, axis: Axis) -> None:
-    """Put each listed value, or the first and the last of a range, into the mission alone; raises InputError."""
-    whole = range(len(axis.values)) if axis.numbers is None else (0, len(axis.values) - 1)
+    """Put each value, of numbers the least and the greatest, into the mission alone; raises InputError."""
     problems = []
-    for index in dict.fromkeys(whole):
+    ends = (np.argmin(axis.numbers), np.argmax(axis.numbers)) if axis.numbers is not None else range(len(axis.values))
+    for index in dict.fromkeys(map(int, ends)):
         values = dict.fromkeys(axis.keys, axis.values[index])
         try:
             mission.with_written(values)

@@ -201,8 +201,10 @@ def test_validate_says_all_that_is_wrong_with_what_may_be_chosen_line_by_line(tm
         assert expected in words
 
 
-@pytest.mark.parametrize(("values", "wrong"), [("1:40:1 m/s", "40 m/s"), ("0:2:0.5 m/s", "0 m/s")])
-def test_either_end_of_a_range_is_tried_before_the_search(values, wrong):
+@pytest.mark.parametrize(
+    ("values", "wrong"), [("1:40:1 m/s", "40 m/s"), ("0:2:0.5 m/s", "0 m/s"), ("1 m/s,50 m/s,2 m/s", "50 m/s")]
+)
+def test_the_least_and_the_greatest_value_are_tried_before_the_search(values, wrong):
     with pytest.raises(InputError, match=f"out.speed cannot be {wrong}"):
         missionplan.optimise(transit(), choose=[f"out.speed={values}"])
 
