@@ -196,16 +196,12 @@ def print_json(problems: Sequence[Problem] = (), **answer: object) -> None:
 
     `answer`: by the names that it has in Python.
     """
-    errors = [
-        {
-            "file": problem.file,
-            "line": problem.line,
-            "key": problem.key,
-            "message": problem.message,
-            "expected": problem.message.partition("expected ")[2] or problem.hint,
-        }
-        for problem in problems
-    ]
+    errors = []
+    for problem in problems:
+        expected, hint = problem.message.partition("expected ")[2], problem.hint
+        message = f"{problem.message} ({hint})" if expected and hint else problem.message
+        place = {"file": problem.file, "line": problem.line, "key": problem.key}
+        errors.append({**place, "message": message, "expected": expected or hint})
     typer.echo(json.dumps({"errors": errors, **answer}, default=_plain, indent=1))
 
 

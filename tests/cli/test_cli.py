@@ -542,6 +542,8 @@ def test_commands_about_files_answer_as_json_by_the_names_of_python(
     assert answer("schema", "mission") == missionplan.schema("mission")
     assert run(monkeypatch, "effects", "compas-bias", "--json") == 2
     assert json.loads(capsys.readouterr().out)["errors"][0]["expected"] == "did you mean compass-bias?"
+    assert run(monkeypatch, "export", f"{trial}/mission.yaml", "--to", "mos", "--out", "plan", "--json") == 2
+    assert json.loads(capsys.readouterr().out)["errors"][0]["message"].endswith("(did you mean moos?)")
 
 
 def test_reports_are_listed_as_json(
