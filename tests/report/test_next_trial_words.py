@@ -151,6 +151,23 @@ def test_what_is_not_claimed_is_told_with_its_weight(verdict: str, score: float,
     assert expected in words[0]
 
 
+def adequate(score: float, last_part: SimpleNamespace | None = None) -> Any:
+    """Return an adequate diagnosis whose likeliest cause has a score, and what was kept away from it."""
+    return diagnosed(
+        verdict="adequate",
+        causes=(),
+        best=SimpleNamespace(causes=("heavy-tails",), score=score, parameters=(), held_out=None),
+        suspect_labels="",
+        learned_from=("a leg",),
+        misfit="",
+        known=(),
+        confirmed=(),
+        last_part=last_part,
+        discrepancy=SimpleNamespace(axis=None, resembles=None),
+        kind="transit",
+    )
+
+
 @pytest.mark.parametrize(
     ("score", "expected"),
     [
@@ -159,20 +176,7 @@ def test_what_is_not_claimed_is_told_with_its_weight(verdict: str, score: float,
     ],
 )
 def test_an_adequate_model_is_not_said_to_be_beyond_doubt(score: float, expected: str) -> None:
-    best = SimpleNamespace(causes=("heavy-tails",), score=score, parameters=(), held_out=None)
-    found = diagnosed(
-        verdict="adequate",
-        causes=(),
-        best=best,
-        suspect_labels="",
-        learned_from=("a leg",),
-        misfit="",
-        known=(),
-        confirmed=(),
-        last_part=None,
-        discrepancy=SimpleNamespace(axis=None, resembles=None),
-        kind="transit",
-    )
+    found = adequate(score)
     assert answer(found) == f"The mission's model is adequate for these data: {expected}"
     found.nothing = 0.3
     assert answer(found).startswith("These data leave open whether the mission's model is adequate: that it lacks")
@@ -182,20 +186,7 @@ def test_an_adequate_model_is_not_said_to_be_beyond_doubt(score: float, expected
 @pytest.mark.parametrize("within", [True, False])
 def test_what_was_kept_away_is_said_to_be_beyond_chance_where_it_is(within: bool, monkeypatch: Any) -> None:
     monkeypatch.setattr(diagnosis_page, "told", lambda last: "covers 1 of 9.")
-    best = SimpleNamespace(causes=("heavy-tails",), score=0.3, parameters=(), held_out=None)
-    found = diagnosed(
-        verdict="adequate",
-        causes=(),
-        best=best,
-        suspect_labels="",
-        learned_from=("a leg",),
-        misfit="",
-        known=(),
-        confirmed=(),
-        last_part=SimpleNamespace(kind="transit", groups=9, is_within_chance=within),
-        discrepancy=SimpleNamespace(axis=None, resembles=None),
-        kind="transit",
-    )
+    found = adequate(0.3, SimpleNamespace(kind="transit", groups=9, is_within_chance=within))
     kept = " Kept away from all this, the last 9 legs: the extended mission covers 1 of 9."
     assert (f"{kept} Chance does not allow such coverages." in answer(found)) is not within
     assert kept in answer(found)
